@@ -1,0 +1,1 @@
+"""Codecs: motion to compressed bytes and back."""

@@ -1,0 +1,54 @@
+"""What a reader is told and what it returns: one contract for every format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from qmd_studio.avatar.humanoid import Body
+from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.skeleton import Skeleton
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What the user may say beside the file itself.
+
+    `path` is the file's own path, for messages and for finding companions beside it. `skeleton` is an ASF given for an
+    AMC, `fps` overrides the frame rate, `metres_per_unit` the length unit that a reader would otherwise guess.
+    """
+
+    path: Path | None = None
+    skeleton: Path | None = None
+    fps: float | None = None
+    metres_per_unit: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """What a file held: a motion, a body, or both. `warnings` are sentences for the user, each naming its place."""
+
+    skeleton: Skeleton
+    motion: Motion | None = None
+    body: Body | None = None
+    warnings: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    """What the reader decided and the user may want to know, such as a guessed length unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """One file format: its name, suffixes (lower case, with dot), and what it can do.
+
+    `sniff(head)` answers from the first 4,096 bytes whether the content is of this format. `read(data, options)`
+    returns what the file held or raises `FormatError`. `write(motion)` returns the file's bytes, or raises
+    `FormatError` where the motion's skeleton cannot be held; None where the format is read only.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    sniff: Callable[[bytes], bool]
+    read: Callable[[bytes, ReadOptions], Loaded]
+    write: Callable[[Motion], bytes] | None = None

@@ -1,0 +1,1 @@
+"""The open document, its commands and its history."""

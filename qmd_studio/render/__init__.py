@@ -1,0 +1,1 @@
+"""What the GPU is told: meshes, skinning, overlays, picking. OpenGL, no Qt."""

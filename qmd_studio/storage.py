@@ -1,0 +1,84 @@
+"""The one way to write a user's file: whole or not at all, so that a crash never leaves half of one."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from pathlib import Path
+
+from qmd_studio.errors import StorageError
+
+MAX_FILE_BYTES = 1 << 30
+"""Larger files are refused before they are read: no motion or avatar this studio plays comes near a gigabyte."""
+
+
+def read_bytes(path: Path | str, *, limit: int = MAX_FILE_BYTES) -> bytes:
+    """Read a whole file of at most `limit` bytes.
+
+    Raises `StorageError` where the file is missing, is a folder, cannot be read or is larger than `limit`.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+    except OSError as problem:
+        raise StorageError(
+            _reason(problem), path=path, hint="Check the name and that you may read the file"
+        ) from problem
+    if len(data) > limit:
+        raise StorageError("the file is too large to open", path=path, wanted=f"at most {limit} bytes")
+    return data
+
+
+def write_atomic(path: Path | str, data: bytes) -> None:
+    """Write `data` to `path` so that the name holds the old bytes or the new ones at every instant.
+
+    A temporary file in the same folder is written, flushed and fsynced, then renamed over `path`, and the folder is
+    fsynced. A link is followed, an existing file keeps its permissions. Raises `StorageError`; the old file then still
+    stands and the temporary one is gone.
+    """
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.tmp")
+    try:
+        _write_and_sync(temporary, data, mode=_mode_of(target))
+        os.replace(temporary, target)
+        _sync_folder(target.parent)
+    except OSError as problem:
+        raise StorageError(
+            f"the file could not be written: {_reason(problem)}",
+            path=path,
+            hint="Choose another folder or free some room; what stood there before is untouched",
+        ) from problem
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def _mode_of(target: Path) -> int:
+    try:
+        return target.stat().st_mode & 0o777
+    except OSError:
+        return 0o666
+
+
+def _write_and_sync(path: Path, data: bytes, *, mode: int) -> None:
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+    with os.fdopen(descriptor, "wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _sync_folder(folder: Path) -> None:
+    if os.name == "nt":
+        return  # Windows can neither open nor fsync a folder
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _reason(problem: OSError) -> str:
+    return (problem.strerror or str(problem)).lower()

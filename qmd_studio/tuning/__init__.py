@@ -1,0 +1,1 @@
+"""Size, error and the trade between them."""
