@@ -77,6 +77,8 @@ class Motion:
 
 
 def _read_only(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
-    view = array.view()
-    view.flags.writeable = False
-    return view
+    if not array.flags.writeable:
+        return array
+    own = array.copy()  # a view would change with the caller's array
+    own.flags.writeable = False
+    return own
