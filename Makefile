@@ -1,0 +1,39 @@
+# Each of these alone does all its own set-up, into .venv:
+#   make run [FILE=motion.bvh]   open the studio; without a screen, its main job on a virtual one, into out/
+#   make test                    lint, types, import contracts, all tests
+#   make bench                   the speed bars, as ratios, into tests/benchmarks/RESULTS.md
+# PYTHON=… names the python3 (3.11 or newer) to build .venv with.
+
+.PHONY: run test bench lint clean pins
+.DEFAULT_GOAL := run
+
+bin := .venv/bin
+
+run:
+	@.ci/setup run
+	@.ci/launch $(if $(FILE),"$$FILE")
+
+test: lint
+	$(bin)/python -m pytest -q
+
+lint:
+	@.ci/setup test
+	$(bin)/ruff check
+	$(bin)/ruff format --check
+	$(bin)/mypy
+	$(bin)/lint-imports
+
+bench:
+	@.ci/setup bench
+	$(bin)/python tests/benchmarks/run.py
+
+clean:
+	rm -rf .venv build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	find qmd_studio tests -name __pycache__ -prune -exec rm -rf {} +
+
+# Renews the pinned versions (needs uv); the files name neither hosts nor hashes.
+compile := uv pip compile --universal --no-header --no-emit-index-url --no-annotate --python-version 3.11 --quiet --upgrade
+pins:
+	$(compile) pyproject.toml -o requirements.txt
+	$(compile) --group dev -c requirements.txt -o requirements-dev.txt
+	$(compile) --group bench -c requirements.txt -o requirements-bench.txt
