@@ -1,4 +1,4 @@
-"""The rules that keep the rooms apart: import contracts, who may touch Qt, sockets and the disk, and the size of things."""
+"""The rules that keep the rooms apart: import contracts, who may touch Qt, sockets and the disk, and sizes."""
 
 from __future__ import annotations
 
