@@ -1,0 +1,128 @@
+"""The container of version 1: 64 bytes before the paper's payload, and the skeleton block after it.
+
+The layout is written out byte by byte in resources/help/qmd-format.md; the numbers here are that page's.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from dataclasses import dataclass
+
+from qmd_studio import __version__
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import FormatError
+
+MAGIC = b"QMD\x1a"
+VERSION = 1
+HEADER = struct.Struct("<4sHHIQIdB3xfII16s")
+"""Magic, version, header bytes, checksum, payload bytes, skeleton bytes, fps, encoder, k, RQT, n_d, software."""
+
+_CHECKSUM_AT, _CHECKSUM_END = 8, 12
+_ENCODER_CODES = {Encoder.PAPER: 1, Encoder.CLOSED: 2}
+_ENCODER_NAMES = {code: str(encoder) for encoder, code in _ENCODER_CODES.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """A file taken apart, its checksum proven: what stands around the payload, and views of the two parts.
+
+    `encoder`, `k`, `rqt`, `segment` and `software` are provenance; nothing in them is needed to decode.
+    """
+
+    fps: float
+    encoder: str
+    k: float
+    rqt: int
+    segment: int
+    software: str
+    payload: memoryview
+    skeleton_block: memoryview
+
+
+def looks_like_qmd(head: bytes) -> bool:
+    """Return whether a file that starts with `head` is a QMD file of any version."""
+    return head.startswith(b"QMD")
+
+
+def build(payload: bytes, skeleton_block: bytes, fps: float, settings: QmdSettings) -> bytes:
+    """Return the whole file for a payload and a skeleton block (empty: none)."""
+    header = bytearray(
+        HEADER.pack(
+            MAGIC,
+            VERSION,
+            HEADER.size,
+            0,
+            len(payload),
+            len(skeleton_block),
+            fps,
+            _ENCODER_CODES[settings.encoder],
+            settings.k,
+            settings.rqt,
+            settings.segment,
+            f"qmd-studio {__version__}".encode()[:16],
+        )
+    )
+    checksum = zlib.crc32(skeleton_block, zlib.crc32(payload, _header_checksum(header)))
+    struct.pack_into("<I", header, _CHECKSUM_AT, checksum)
+    return b"".join((header, payload, skeleton_block))
+
+
+def parse(data: bytes) -> Container:
+    """Take a file apart.
+
+    Raises `FormatError` where it is no QMD file, of a later version, shorter or longer than it says, or damaged.
+    """
+    if not data.startswith(MAGIC):
+        raise FormatError("this is not a QMD file", at="byte 0", wanted=repr(MAGIC), got=repr(bytes(data[:4])))
+    if len(data) < HEADER.size:
+        raise FormatError(
+            "the file ends inside its header", wanted=f"{HEADER.size} bytes", got=str(len(data)), hint=_INCOMPLETE
+        )
+    _, version, header_bytes, checksum, payload_bytes, block_bytes, fps, *provenance = HEADER.unpack_from(data)
+    if version != VERSION or header_bytes != HEADER.size:
+        raise FormatError(
+            "this version of the QMD format is not known",
+            at="byte 4",
+            wanted=f"version {VERSION} with {HEADER.size} header bytes",
+            got=f"version {version} with {header_bytes}",
+            hint="Open it with a newer studio",
+        )
+    total = HEADER.size + payload_bytes + block_bytes
+    if len(data) != total:
+        raise FormatError(
+            "the file is not as long as its header says", at="byte 12", wanted=f"{total} bytes", got=str(len(data)),
+            hint=_INCOMPLETE,
+        )  # fmt: skip
+    view = memoryview(data)
+    found = zlib.crc32(view[HEADER.size :], _header_checksum(data))
+    if found != checksum:
+        raise FormatError(
+            "the checksum does not fit: the file is damaged",
+            at=f"byte {_CHECKSUM_AT}",
+            wanted=f"{checksum:08x}",
+            got=f"{found:08x}",
+            hint=_INCOMPLETE,
+        )
+    if not (math.isfinite(fps) and fps > 0):
+        raise FormatError("the frame rate is not a positive number", at="byte 24", got=str(fps))
+    code, k, rqt, segment, software = provenance
+    return Container(
+        fps=fps,
+        encoder=_ENCODER_NAMES.get(code, "other"),
+        k=k,
+        rqt=rqt,
+        segment=segment,
+        software=software.rstrip(b"\0").decode("ascii", "replace"),
+        payload=view[HEADER.size : HEADER.size + payload_bytes],
+        skeleton_block=view[HEADER.size + payload_bytes :],
+    )
+
+
+_INCOMPLETE = "Fetch or copy the file again"
+
+
+def _header_checksum(data: bytes | bytearray) -> int:
+    """Return the CRC-32 of the header without the four bytes that hold the checksum."""
+    return zlib.crc32(memoryview(data)[_CHECKSUM_END : HEADER.size], zlib.crc32(memoryview(data)[:_CHECKSUM_AT]))

@@ -1,0 +1,68 @@
+"""QMD to motion: look up and add."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qmd_studio.arrays import Float32Array
+from qmd_studio.codecs.qmd import container
+from qmd_studio.codecs.qmd.payload import Payload, unpack
+from qmd_studio.codecs.qmd.skeleton_block import SkeletonBlock, unpack_skeleton_block
+from qmd_studio.codecs.qmd.units import motion_matrix
+from qmd_studio.errors import FormatError
+from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.skeleton import Skeleton
+
+
+def decode(data: bytes, skeleton: Skeleton | None = None) -> Motion:
+    """Return the motion that a QMD file holds.
+
+    `skeleton` is used where the file has no skeleton block of its own. Raises `FormatError` for a damaged file, and for
+    one that needs a skeleton and got none, or one with another number of columns.
+    """
+    parts = container.parse(data)
+    contents = unpack(parts.payload)
+    block = _block_of(parts, contents, skeleton)
+    if block.skeleton.n_columns != len(contents.pose):
+        raise FormatError(
+            "the skeleton does not fit the motion",
+            wanted=f"{len(contents.pose)} columns",
+            got=f"{block.skeleton.n_columns} in {block.skeleton.name!r}",
+            hint="Give the skeleton that the motion was made on",
+        )
+    X = motion_matrix(decode_payload(contents), block.skeleton)
+    return Motion(block.skeleton, X, parts.fps, block.name, block.mask)
+
+
+def decode_payload(contents: Payload) -> Float32Array:
+    """Return what a payload holds, (n_columns, n_frames) float32 radians and ASF units, column after column.
+
+    Each value is the one before it plus an exact difference or a table entry, in float32, one after another: the
+    encoder counts on exactly this arithmetic. Raises `FormatError` where the sums leave float32's range.
+    """
+    steps = np.empty((contents.n_rows + 1, len(contents.pose)), np.float32)
+    steps[0] = contents.pose
+    row = 1
+    for segment in contents.segments:
+        steps[row : row + segment.n_rows, : segment.fdf] = segment.exact
+        steps[row : row + segment.n_rows, segment.fdf :] = segment.table[segment.indices]
+        row += segment.n_rows
+    with np.errstate(over="ignore", invalid="ignore"):
+        decoded = np.add.accumulate(steps, axis=0)
+    if not np.isfinite(decoded[-1]).all():  # a sum that has left the range never comes back
+        raise FormatError("the motion leaves the range of float32", hint="The file's table is not that of a motion")
+    return np.ascontiguousarray(decoded.T)
+
+
+def _block_of(parts: container.Container, contents: Payload, skeleton: Skeleton | None) -> SkeletonBlock:
+    if parts.skeleton_block:
+        return unpack_skeleton_block(
+            parts.skeleton_block, n_frames=contents.n_rows + 1, payload_bytes=len(parts.payload)
+        )
+    if skeleton is None:
+        raise FormatError(
+            "the file has no skeleton of its own",
+            wanted=f"a skeleton with {len(contents.pose)} columns",
+            hint="Give the ASF of the motion with --skeleton",
+        )
+    return SkeletonBlock(skeleton)

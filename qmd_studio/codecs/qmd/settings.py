@@ -1,0 +1,69 @@
+"""What a QMD encoder may be told: the paper's three parameters, which encoder, and its own constants."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from qmd_studio.errors import CodecError
+
+MIN_BITS, MAX_BITS = 8, 16
+"""The paper's range of b (section 5.1): an index takes one byte at 8 and two above."""
+
+_MAX_U32 = 2**32 - 1
+
+
+class Encoder(StrEnum):
+    """How the indices are chosen. Every decoder plays the files of either."""
+
+    PAPER = "paper"
+    """The paper's own: each index from the original difference, so that errors add up along the motion."""
+    CLOSED = "closed"
+    """Each index from what the decoder still lacks, so that errors do not add up."""
+
+
+@dataclass(frozen=True, slots=True)
+class QmdSettings:
+    """The settings of one encoding.
+
+    `fdf` is the paper's FDF, the number of leading columns kept as float32 (default 6: the root). `bits` is b, the
+    width of an index (default 8; table of 2^b entries). `segment` is n_d, the rows of d in a segment (0: one segment).
+    `k` and `rqt` matter to the paper's encoder only: entries are weighted by 1/level^k (default infinite: the lowest
+    level in the bucket alone counts), and values are sorted into buckets as round(value * rqt), the paper's M.
+    """
+
+    fdf: int = 6
+    bits: int = MIN_BITS
+    segment: int = 0
+    encoder: Encoder = Encoder.CLOSED
+    k: float = math.inf
+    rqt: int = 10_000
+
+    def checked(self, n_columns: int, n_rows: int) -> QmdSettings:
+        """Return these settings for a motion of `n_columns` and `n_rows` differences.
+
+        A segment longer than the motion becomes one segment (0). Raises `CodecError` for anything out of range.
+        """
+        _check_range("FDF", self.fdf, 0, n_columns)
+        _check_range("b", self.bits, MIN_BITS, MAX_BITS)
+        _check_range("n_d", self.segment, 0, _MAX_U32)
+        _check_range("RQT", self.rqt, 1, _MAX_U32)
+        if math.isnan(self.k) or self.k < 0:
+            raise CodecError("k is out of range", wanted="0 or more, or infinite", got=str(self.k))
+        segment = 0 if self.segment >= n_rows else self.segment
+        return replace(self, segment=segment, encoder=Encoder(self.encoder))
+
+    def fitted(self, n_columns: int) -> QmdSettings:
+        """Return these settings with FDF lowered where the motion has fewer columns than that."""
+        return replace(self, fdf=min(self.fdf, n_columns))
+
+
+def index_bytes(bits: int) -> int:
+    """Return the bytes of one index of `bits` bits: the paper's ⌈b/8⌉."""
+    return -(-bits // 8)
+
+
+def _check_range(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise CodecError(f"{name} is out of range", wanted=f"{low} to {high}", got=str(value))

@@ -1,0 +1,87 @@
+"""The two ways to make a segment's table: the paper's buckets, and levels spaced for the closed loop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from qmd_studio.arrays import Float32Array, FloatArray, IntArray
+
+UNIFORM_SHARE = 0.02
+"""The share of levels spread evenly over the whole range, so that rare large steps are not starved of them."""
+
+_LARGEST_SHARE = 4
+"""The density is estimated over intervals that hold about 1 / (4 * 2^b) of the values each."""
+
+
+def equal_frequency_buckets(differences: Float32Array, *, bits: int, rqt: int) -> IntArray:
+    """Return the bucket 0 to 2^bits - 1 of each difference, in the shape given (the paper, section 3.1).
+
+    Buckets take equal shares of the values in the order of round(difference * rqt); equal integers share a bucket.
+    """
+    integers = np.rint(differences.astype(np.float64) * rqt)
+    _, inverse, counts = np.unique(integers, return_inverse=True, return_counts=True)
+    below = np.cumsum(counts) - counts
+    middle_twice = 2 * below + counts - 1
+    buckets = np.minimum((middle_twice << bits) // (2 * differences.size), 2**bits - 1)
+    found: IntArray = buckets[inverse].reshape(differences.shape)
+    return found
+
+
+def averaged_table(
+    differences: Float32Array, buckets: IntArray, *, levels: IntArray, bits: int, k: float
+) -> Float32Array:
+    """Return the table (2^bits,) of weighted bucket means (the paper, equation 1).
+
+    `levels` (columns,) are the paper's l of each column; weights are 1/l^k. With k infinite only the lowest level in a
+    bucket counts (selective averaging). A bucket that holds no value reads 0; no index points to it.
+    """
+    values = differences.astype(np.float64).ravel()
+    bucket = buckets.ravel()
+    level = np.broadcast_to(levels, differences.shape).ravel()
+    if math.isinf(k):
+        lowest = np.full(2**bits, np.iinfo(np.int64).max)
+        np.minimum.at(lowest, bucket, level)
+        weights = (level == lowest[bucket]).astype(np.float64)
+    else:
+        weights = level_weights(levels, k)[np.broadcast_to(np.arange(len(levels)), differences.shape).ravel()]
+    total = np.bincount(bucket, weights * values, 2**bits)
+    weight = np.bincount(bucket, weights, 2**bits)
+    means: FloatArray = np.divide(total, weight, out=np.zeros(2**bits), where=weight > 0)
+    return means.astype(np.float32)
+
+
+def level_weights(levels: IntArray, k: float) -> FloatArray:
+    """Return the weight 1/l^k of each column."""
+    return levels.astype(np.float64) ** -k
+
+
+def companded_table(differences: Float32Array, *, bits: int) -> Float32Array:
+    """Return 2^bits ascending levels, dense where differences are common: density as the root of their own.
+
+    That spacing keeps the closed loop's error lowest in the mean (a cube root would do so for the largest error). The
+    first and last level reach to the ends of the range. Equal differences give equal levels.
+    """
+    n_levels = 2**bits
+    ordered = np.sort(differences, axis=None)
+    if not ordered.size or ordered[0] == ordered[-1]:
+        return np.full(n_levels, ordered[0] if ordered.size else 0.0, dtype=np.float32)
+    edges, shares = _intervals(ordered, n_levels)
+    widths = np.diff(edges)
+    roots = np.sqrt(shares * widths)  # (share / width)^(1/2) * width
+    rises = (1.0 - UNIFORM_SHARE) * roots / np.add.accumulate(roots)[-1]
+    rises += UNIFORM_SHARE * widths / (edges[-1] - edges[0])
+    heights = np.concatenate([[0.0], np.add.accumulate(rises)])
+    at = np.arange(n_levels) * (heights[-1] / (n_levels - 1))
+    levels: FloatArray = np.interp(at, heights, edges)
+    return levels.astype(np.float32)
+
+
+def _intervals(ordered: Float32Array, n_levels: int) -> tuple[FloatArray, FloatArray]:
+    """Return the edges (k + 1,) of intervals that each hold about as many of the values, and how many each holds."""
+    n_intervals = min(len(ordered), _LARGEST_SHARE * n_levels)
+    ranks = np.arange(n_intervals + 1) * (len(ordered) - 1) // n_intervals
+    edges, first = np.unique(ordered[ranks], return_index=True)
+    counts = np.diff(ranks[first]).astype(np.float64)
+    return edges.astype(np.float64), np.maximum(counts, 1.0)
