@@ -1,7 +1,108 @@
-"""Which format or codec opens and writes what: the one list of them."""
+"""Which format or codec opens and writes what: the one list of them.
+
+The modules are imported when a file is first opened or written, so that asking for help costs nothing.
+"""
 
 from __future__ import annotations
 
-from qmd_studio.formats.loaded import Format
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-FORMATS: tuple[Format, ...] = ()
+from qmd_studio.errors import FormatError, QmdStudioError
+from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
+from qmd_studio.storage import read_bytes, write_atomic
+
+if TYPE_CHECKING:
+    from qmd_studio.motion.motion import Motion
+
+    FORMATS: tuple[Format, ...]
+
+FORMAT_MODULES: tuple[str, ...] = ("qmd_studio.formats.bvh",)
+"""A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
+
+SNIFFED_BYTES = 4096
+"""How much of a file's beginning decides what it is."""
+
+_DEFAULTS = ReadOptions()
+
+
+def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
+    """Open the file at `path`, recognised by its content first and by its suffix second.
+
+    Raises `StorageError` where it cannot be read, and `FormatError`, naming the file, where its content is wrong.
+    """
+    path = Path(path)
+    data = read_bytes(path)
+    try:
+        chosen = _recognise(data, path)
+        return chosen.read(data, _with_path(options, path))
+    except QmdStudioError as problem:
+        problem.located(path)
+        raise
+
+
+def save_motion(path: Path | str, motion: Motion) -> None:
+    """Write `motion` to `path`, whole or not at all, in the format that the suffix names.
+
+    Raises `FormatError` where no format has that suffix or the format cannot hold the motion's skeleton, and
+    `StorageError` where the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        data = encode_motion(path.suffix, motion)
+    except QmdStudioError as problem:
+        problem.located(path)
+        raise
+    write_atomic(path, data)
+
+
+def encode_motion(suffix: str, motion: Motion) -> bytes:
+    """Return the bytes of a file with `suffix` (".bvh") that holds `motion`; see `save_motion`."""
+    target = format_for(Path(f"motion{suffix}"))
+    if target.write is None:
+        raise FormatError(f"{target.title} files can be read but not written", hint=_writable_hint())
+    return target.write(motion)
+
+
+def format_for(path: Path | str) -> Format:
+    """Return the format that the suffix of `path` names; raises `FormatError` with the suffixes there are."""
+    suffix = Path(path).suffix.lower()
+    for candidate in formats():
+        if suffix in candidate.suffixes:
+            return candidate
+    raise FormatError("no format has this suffix", got=suffix or "no suffix", hint=_writable_hint())
+
+
+@cache
+def formats() -> tuple[Format, ...]:
+    """Return all formats in the order in which they are tried; also as the module's `FORMATS`."""
+    return tuple(import_module(name).FORMAT for name in FORMAT_MODULES)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "FORMATS":
+        return formats()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _recognise(data: bytes, path: Path) -> Format:
+    head = data[:SNIFFED_BYTES]
+    suffix = path.suffix.lower()
+    by_content = [candidate for candidate in formats() if candidate.sniff(head)]
+    by_suffix = [candidate for candidate in formats() if suffix in candidate.suffixes]
+    agreed = [candidate for candidate in by_content if candidate in by_suffix]
+    for candidate in (*agreed, *by_content, *by_suffix):
+        return candidate
+    known = ", ".join(f"{candidate.title} ({' '.join(candidate.suffixes)})" for candidate in formats())
+    raise FormatError("this is no file that the studio can open", got=suffix or "no suffix", wanted=known)
+
+
+def _with_path(options: ReadOptions, path: Path) -> ReadOptions:
+    return ReadOptions(path=path, skeleton=options.skeleton, fps=options.fps, metres_per_unit=options.metres_per_unit)
+
+
+def _writable_hint() -> str:
+    suffixes = [suffix for candidate in formats() if candidate.write for suffix in candidate.suffixes]
+    return f"Suffixes that can be written are {', '.join(suffixes)}"

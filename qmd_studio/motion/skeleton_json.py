@@ -1,8 +1,16 @@
-"""A skeleton as plain JSON values, for files that carry their skeleton along."""
+"""A skeleton as JSON and back, equal to the last bit: what CSV, NPZ and QMD files carry with a motion.
+
+    {"name", "kind", "metres_per_unit", "points": [node, ...],
+     "joints": [{"name", "parent", "offset": [x, y, z], "product": [column, ...], "orientation": [[...], ...]}, ...],
+     "end_sites": [{"name", "joint", "offset"}, ...],
+     "columns": [{"name", "joint", "kind", "axis", "sign", "level", "rest", "limits": [low, high], "bap_id"}, ...]}
+
+A key that holds its default (see `qmd_studio.motion.skeleton`) is left out; lengths are metres, angles radians.
+"""
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -20,175 +28,211 @@ from qmd_studio.motion.skeleton import (
     Vector3,
 )
 
+MAX_JSON_BYTES = 4 << 20
+"""Longer texts are refused unread: a body of a thousand columns needs a fortieth of it."""
+
 _Part = TypeVar("_Part")
 
 
+def json_text(values: dict[str, Any]) -> str:
+    """Return `values` as one line of compact JSON, names in their own letters."""
+    return json.dumps(values, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+
+def parse_json(text: str | bytes) -> dict[str, Any]:
+    """Parse a JSON object of at most `MAX_JSON_BYTES`, without NaN or infinity; raises `FormatError`."""
+    if len(text) > MAX_JSON_BYTES:
+        raise FormatError("the JSON text is too long", wanted=f"at most {MAX_JSON_BYTES} bytes", got=str(len(text)))
+    try:
+        parsed = json.loads(text if isinstance(text, str) else text.decode(), parse_constant=_refuse_constant)
+    except RecursionError:
+        raise FormatError("the JSON text is nested too deeply") from None
+    except ValueError as problem:  # JSON and UTF-8 errors, and integers of thousands of digits
+        raise FormatError("the JSON text cannot be read", got=str(problem)[:80]) from None
+    return _object(parsed, "the JSON text")
+
+
 def skeleton_to_json(skeleton: Skeleton) -> dict[str, Any]:
-    """Return a skeleton as JSON values: metres and radians; what has its default value is left out."""
+    """Return `skeleton` as JSON values; what has its default value is left out."""
     return {
         "name": skeleton.name,
-        "kind": str(skeleton.kind),
+        "kind": skeleton.kind.value,
         "metres_per_unit": skeleton.metres_per_unit,
-        "joints": [_joint_to_json(joint) for joint in skeleton.joints],
+        "joints": [_joint_to_dict(joint) for joint in skeleton.joints],
         "end_sites": [{"name": s.name, "joint": s.joint, "offset": list(s.offset)} for s in skeleton.end_sites],
-        "columns": [_column_to_json(column) for column in skeleton.columns],
+        "columns": [_column_to_dict(column) for column in skeleton.columns],
         "points": list(skeleton.points),
     }
 
 
 def skeleton_from_json(values: Any) -> Skeleton:
-    """Return the skeleton that JSON values describe.
-
-    Raises `FormatError` for values that are missing, of the wrong type or out of range, and for parts that do not fit.
-    """
-    values = _mapping(values, "skeleton")
+    """Return the skeleton that JSON values describe; raises `FormatError` naming the key that is wrong."""
+    document = _object(values, "skeleton")
+    unit = _number(document, "metres_per_unit", "skeleton")
+    if unit <= 0:
+        raise _wrong("skeleton.metres_per_unit", "a positive number", unit)
     return Skeleton(
-        name=_text(values, "name"),
-        kind=_one_of(SkeletonKind, values, "kind"),
-        joints=_parts(values, "joints", _joint_from_json),
-        end_sites=_parts(values, "end_sites", _end_site_from_json),
-        columns=_parts(values, "columns", _column_from_json),
-        points=_integers(values, "points"),
-        metres_per_unit=_positive(values, "metres_per_unit"),
+        name=_text(document, "name", "skeleton"),
+        kind=_choice(SkeletonKind, document, "kind", "skeleton"),
+        joints=_parts(document, "joints", _joint),
+        end_sites=_parts(document, "end_sites", _end_site),
+        columns=_parts(document, "columns", _column),
+        points=_integers(document, "points", "skeleton"),
+        metres_per_unit=unit,
     )
 
 
-def _joint_to_json(joint: Joint) -> dict[str, Any]:
-    result: dict[str, Any] = {"name": joint.name, "parent": joint.parent, "offset": list(joint.offset)}
+def _joint_to_dict(joint: Joint) -> dict[str, Any]:
+    entry: dict[str, Any] = {"name": joint.name, "parent": joint.parent, "offset": list(joint.offset)}
     if joint.product:
-        result["product"] = list(joint.product)
+        entry["product"] = list(joint.product)
     if joint.orientation != IDENTITY:
-        result["orientation"] = [list(row) for row in joint.orientation]
-    return result
+        entry["orientation"] = [list(row) for row in joint.orientation]
+    return entry
 
 
-def _column_to_json(column: Column) -> dict[str, Any]:
-    result: dict[str, Any] = {
+def _column_to_dict(column: Column) -> dict[str, Any]:
+    entry: dict[str, Any] = {
         "name": column.name,
         "joint": column.joint,
-        "kind": str(column.kind),
+        "kind": column.kind.value,
         "axis": column.axis,
         "level": column.level,
     }
     if column.sign != 1:
-        result["sign"] = column.sign
-    if column.rest:
-        result["rest"] = column.rest
+        entry["sign"] = column.sign
+    if column.rest != 0.0:
+        entry["rest"] = column.rest
     if column.limits is not None:
-        result["limits"] = list(column.limits)
+        entry["limits"] = list(column.limits)
     if column.bap_id is not None:
-        result["bap_id"] = column.bap_id
-    return result
+        entry["bap_id"] = column.bap_id
+    return entry
 
 
-def _joint_from_json(values: dict[str, Any]) -> Joint:
+def _joint(entry: dict[str, Any], where: str) -> Joint:
+    orientation = IDENTITY
+    if "orientation" in entry:
+        rows = entry["orientation"]
+        if not isinstance(rows, list) or len(rows) != 3:
+            raise _wrong(f"{where}.orientation", "three rows of three numbers", rows)
+        orientation = _matrix(rows, f"{where}.orientation")
     return Joint(
-        name=_text(values, "name"),
-        parent=_integer(values, "parent"),
-        offset=_vector(values.get("offset"), "offset"),
-        product=_integers(values, "product") if "product" in values else (),
-        orientation=_matrix(values["orientation"]) if "orientation" in values else IDENTITY,
+        name=_text(entry, "name", where),
+        parent=_integer(entry, "parent", where),
+        offset=_vector(entry.get("offset"), f"{where}.offset"),
+        product=_integers(entry, "product", where) if "product" in entry else (),
+        orientation=orientation,
     )
 
 
-def _end_site_from_json(values: dict[str, Any]) -> EndSite:
-    return EndSite(_text(values, "name"), _integer(values, "joint"), _vector(values.get("offset"), "offset"))
+def _end_site(entry: dict[str, Any], where: str) -> EndSite:
+    offset = _vector(entry.get("offset"), f"{where}.offset")
+    return EndSite(_text(entry, "name", where), _integer(entry, "joint", where), offset)
 
 
-def _column_from_json(values: dict[str, Any]) -> Column:
-    level = _integer(values, "level")
+def _column(entry: dict[str, Any], where: str) -> Column:
+    level = _integer(entry, "level", where)
     if not 1 <= level <= MAX_LEVEL:
-        raise _wrong("level", f"1 to {MAX_LEVEL}", level)
-    limits = _numbers(values["limits"], 2, "limits") if "limits" in values else None
+        raise _wrong(f"{where}.level", f"1 to {MAX_LEVEL}", level)
+    limits = None
+    if entry.get("limits") is not None:
+        pair = _numbers(entry["limits"], 2, f"{where}.limits")
+        limits = (pair[0], pair[1])
     return Column(
-        name=_text(values, "name"),
-        joint=_integer(values, "joint"),
-        kind=_one_of(ColumnKind, values, "kind"),
-        axis=_integer(values, "axis"),
-        sign=_integer(values, "sign") if "sign" in values else 1,
+        name=_text(entry, "name", where),
+        joint=_integer(entry, "joint", where),
+        kind=_choice(ColumnKind, entry, "kind", where),
+        axis=_integer(entry, "axis", where),
+        sign=_integer(entry, "sign", where) if "sign" in entry else 1,
         level=level,
-        rest=_number(values["rest"], "rest") if "rest" in values else 0.0,
-        limits=None if limits is None else (limits[0], limits[1]),
-        bap_id=_integer(values, "bap_id") if "bap_id" in values else None,
+        rest=_number(entry, "rest", where) if "rest" in entry else 0.0,
+        limits=limits,
+        bap_id=_integer(entry, "bap_id", where) if entry.get("bap_id") is not None else None,
     )
 
 
-def _parts(values: dict[str, Any], key: str, read: Callable[[dict[str, Any]], _Part]) -> tuple[_Part, ...]:
-    return tuple(read(_mapping(part, key)) for part in _list(values.get(key), key))
+def _parts(document: dict[str, Any], key: str, build: Callable[[dict[str, Any], str], _Part]) -> tuple[_Part, ...]:
+    entries = document.get(key)
+    if not isinstance(entries, list):
+        raise _wrong(key, "a list", entries)
+    return tuple(build(_object(entry, f"{key}[{index}]"), f"{key}[{index}]") for index, entry in enumerate(entries))
 
 
-def _mapping(value: Any, what: str) -> dict[str, Any]:
+def _object(value: object, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise _wrong(what, "an object", value)
+        raise _wrong(where, "an object", value)
     return value
 
 
-def _list(value: Any, what: str) -> list[Any]:
-    if not isinstance(value, list):
-        raise _wrong(what, "a list", value)
-    return value
-
-
-def _text(values: dict[str, Any], key: str) -> str:
-    value = values.get(key)
+def _text(entry: dict[str, Any], key: str, where: str) -> str:
+    value = entry.get(key)
     if not isinstance(value, str):
-        raise _wrong(key, "text", value)
+        raise _wrong(f"{where}.{key}", "a text", value)
     return value
 
 
-def _one_of(kind: Callable[[str], _Part], values: dict[str, Any], key: str) -> _Part:
-    try:
-        return kind(_text(values, key))
-    except ValueError as problem:
-        raise _wrong(key, "a known kind", values[key]) from problem
+def _integer(entry: dict[str, Any], key: str, where: str) -> int:
+    return _as_integer(entry.get(key), f"{where}.{key}")
 
 
-def _integer(values: dict[str, Any], key: str) -> int:
-    return _as_integer(values.get(key), key)
+def _integers(entry: dict[str, Any], key: str, where: str) -> tuple[int, ...]:
+    values = entry.get(key)
+    if not isinstance(values, list):
+        raise _wrong(f"{where}.{key}", "a list of whole numbers", values)
+    return tuple(_as_integer(value, f"{where}.{key}") for value in values)
 
 
-def _integers(values: dict[str, Any], key: str) -> tuple[int, ...]:
-    return tuple(_as_integer(value, key) for value in _list(values.get(key), key))
-
-
-def _as_integer(value: Any, what: str) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not -(2**31) <= value < 2**31:
-        raise _wrong(what, "an integer", value)
+def _as_integer(value: object, where: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) > 1 << 31:
+        raise _wrong(where, "a whole number", value)
     return value
 
 
-def _number(value: Any, what: str) -> float:
-    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
-        raise _wrong(what, "a number", value)
+def _number(entry: dict[str, Any], key: str, where: str) -> float:
+    return _as_number(entry.get(key), f"{where}.{key}")
+
+
+def _as_number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e300:
+        raise _wrong(where, "a finite number", value)
     return float(value)
 
 
-def _positive(values: dict[str, Any], key: str) -> float:
-    number = _number(values.get(key), key)
-    if number <= 0:
-        raise _wrong(key, "above 0", number)
-    return number
+def _numbers(values: object, count: int, where: str) -> tuple[float, ...]:
+    if not isinstance(values, list) or len(values) != count:
+        raise _wrong(where, f"{count} numbers", values)
+    return tuple(_as_number(value, where) for value in values)
 
 
-def _numbers(value: Any, count: int, what: str) -> tuple[float, ...]:
-    numbers = tuple(_number(part, what) for part in _list(value, what))
-    if len(numbers) != count:
-        raise _wrong(what, f"{count} numbers", len(numbers))
-    return numbers
-
-
-def _vector(value: Any, what: str) -> Vector3:
-    x, y, z = _numbers(value, 3, what)
+def _vector(values: object, where: str) -> Vector3:
+    x, y, z = _numbers(values, 3, where)
     return (x, y, z)
 
 
-def _matrix(value: Any) -> Matrix3:
-    rows = [_vector(row, "orientation") for row in _list(value, "orientation")]
-    if len(rows) != 3:
-        raise _wrong("orientation", "3 rows", len(rows))
-    return (rows[0], rows[1], rows[2])
+def _matrix(rows: list[object], where: str) -> Matrix3:
+    first, second, third = (_vector(row, where) for row in rows)
+    return (first, second, third)
 
 
-def _wrong(what: str, wanted: str, got: object) -> FormatError:
-    shown = str(got)[:60]
-    return FormatError(f"the skeleton's {what} is not what it should be", wanted=wanted, got=shown)
+_Kind = TypeVar("_Kind", SkeletonKind, ColumnKind)
+
+
+def _choice(kinds: type[_Kind], entry: dict[str, Any], key: str, where: str) -> _Kind:
+    value = _text(entry, key, where)
+    try:
+        return kinds(value)
+    except ValueError:
+        raise _wrong(f"{where}.{key}", ", ".join(kind.value for kind in kinds), value) from None
+
+
+def _refuse_constant(name: str) -> float:
+    raise ValueError(f"{name} is not a number")
+
+
+def _wrong(where: str, wanted: str, got: object) -> FormatError:
+    if isinstance(got, int) and abs(got) > 1 << 64:
+        shown = "a huge number"  # its digits may be too many to print
+    else:
+        shown = "nothing" if got is None else repr(got)[:40] if not isinstance(got, list | dict) else type(got).__name__
+    return FormatError("the skeleton's description is wrong", at=where, wanted=wanted, got=shown)

@@ -1,0 +1,162 @@
+"""Biovision Hierarchy (BVH): joints with channels in degrees and file units, one line of numbers a frame."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from qmd_studio.errors import FormatError
+from qmd_studio.formats.bvh_hierarchy import BvhNode, parse_hierarchy, parse_number
+from qmd_studio.formats.bvh_numbers import MotionHead, Rows, line_at, parse_head, parse_rows
+from qmd_studio.formats.frame_rate import rate_from_frame_time
+from qmd_studio.formats.length_unit import with_guessed_unit
+from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
+from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.skeleton import MAX_LEVEL, Column, ColumnKind, EndSite, Joint, Skeleton, SkeletonKind, depths
+
+_MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
+_SNIFF = re.compile(rb"\s*HIERARCHY\s", re.IGNORECASE)
+_UTF8_BOM = b"\xef\xbb\xbf"
+
+
+def sniff(head: bytes) -> bool:
+    """Tell whether a file that begins with `head` is BVH."""
+    return _SNIFF.match(head.removeprefix(_UTF8_BOM)) is not None
+
+
+def read(data: bytes, options: ReadOptions) -> Loaded:
+    """Read a BVH file.
+
+    Positions replace the joint's OFFSET, as is the custom. A count of frames that the rows contradict and a last frame
+    that is incomplete are warned of; a file without MOTION opens as a skeleton. Raises `FormatError` with the line.
+    """
+    data = data.removeprefix(_UTF8_BOM)
+    found = _MOTION.search(data)
+    header = data[: found.end()] if found else data
+    skeleton = _skeleton(parse_hierarchy(_decode(header)))
+    skeleton, note = with_guessed_unit(skeleton, options.metres_per_unit)
+    if found is None or skeleton.n_columns == 0:
+        missing = "MOTION section" if found is None else "channel"
+        return Loaded(skeleton, warnings=(f"the file has no {missing}: only its skeleton is opened",), notes=(note,))
+    head = parse_head(data, found.end())
+    rows = parse_rows(data[head.end :], skeleton.n_columns, line_at(data, head.end))
+    warnings = _check_counts(head, rows)
+    fps = options.fps if options.fps is not None else _rate(head)
+    values = rows.values * _factors(skeleton)
+    values.flags.writeable = False  # the motion then keeps it without a copy
+    name = options.path.stem if options.path else ""
+    return Loaded(skeleton, Motion(skeleton, values, fps, name=name), warnings=warnings, notes=(note,))
+
+
+def _decode(header: bytes) -> str:
+    for encoding in ("utf-8", "cp932"):
+        try:
+            return header.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return header.decode("latin-1")
+
+
+def _skeleton(nodes: list[BvhNode]) -> Skeleton:
+    """Build the skeleton in file units; end sites are ordered by joint."""
+    number: dict[int, int] = {}
+    for index, node in enumerate(nodes):
+        if not node.is_site:
+            number[index] = len(number)
+    joints: list[Joint] = []
+    columns: list[Column] = []
+    sites: list[EndSite] = []
+    for node in nodes:
+        offset = node.offset or (0.0, 0.0, 0.0)
+        if node.is_site:
+            joint = number[node.parent]
+            sites.append(EndSite(node.name or default_site_name(joints[joint].name), joint, offset))
+            continue
+        product = []
+        for channel in node.channels:
+            if channel.endswith("rotation"):
+                product.append(len(columns))
+            columns.append(_column(channel, node, len(joints)))
+        joints.append(Joint(node.name, number.get(node.parent, -1), offset, tuple(product)))
+    depth = depths(tuple(joint.parent for joint in joints))
+    sites.sort(key=lambda site: site.joint)
+    return Skeleton(
+        name=joints[0].name,
+        kind=SkeletonKind.BVH,
+        joints=tuple(joints),
+        end_sites=tuple(sites),
+        columns=_named_apart([replace(c, level=min(depth[c.joint], MAX_LEVEL)) for c in columns]),
+        points=tuple(range(len(joints) + len(sites))),
+    )
+
+
+def default_site_name(joint_name: str) -> str:
+    """Return the name of an end site that the file leaves without one."""
+    return f"{joint_name} end"
+
+
+def _column(channel: str, node: BvhNode, joint: int) -> Column:
+    axis = "XYZ".index(channel[0])
+    name = f"{node.name} {channel}"
+    if channel.endswith("rotation"):
+        return Column(name, joint, ColumnKind.ROTATION, axis)
+    rest = node.offset[axis] if node.offset else 0.0
+    return Column(name, joint, ColumnKind.TRANSLATION, axis, rest=rest)
+
+
+def _named_apart(columns: list[Column]) -> tuple[Column, ...]:
+    """Number the columns whose joints share a name, so that a column's name is its own."""
+    seen: dict[str, int] = {}
+    result = []
+    for column in columns:
+        count = seen[column.name] = seen.get(column.name, 0) + 1
+        result.append(column if count == 1 else replace(column, name=f"{column.name} #{count}"))
+    return tuple(result)
+
+
+def _check_counts(head: MotionHead, rows: Rows) -> tuple[str, ...]:
+    n_rows, n_columns = rows.values.shape
+    if rows.left_over:
+        if n_rows == 0 or head.n_frames != n_rows + 1:
+            raise FormatError(
+                "a frame has the wrong number of values",
+                at=f"line {rows.line}",
+                wanted=f"{n_columns} values, {head.n_frames} frames",
+                got=f"{rows.left_over} values in frame {n_rows}",
+                hint="The file is cut off or damaged; get a whole copy",
+            )
+        return (
+            f"line {rows.line}: the last frame is incomplete ({rows.left_over} of {n_columns} values) and is dropped;"
+            f" {n_rows} frames remain",
+        )
+    if n_rows == 0:
+        raise FormatError("the motion has no frame", at=f"line {head.count_line}", wanted="at least 1 frame", got="0")
+    if n_rows != head.n_frames:
+        return (f"line {head.count_line} says {head.n_frames} frames, but {n_rows} are there; those are used",)
+    return ()
+
+
+def _rate(head: MotionHead) -> float:
+    try:
+        parse_number(head.frame_time)
+        return rate_from_frame_time(head.frame_time.replace(",", "."))
+    except ValueError:
+        raise FormatError(
+            "the frame time is not a positive number",
+            at=f"line {head.time_line}",
+            wanted="seconds",
+            got=head.frame_time[:40],
+            hint="Give the frame rate by hand",
+        ) from None
+
+
+def _factors(skeleton: Skeleton) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    radians = math.radians(1.0)
+    turns = [column.kind is ColumnKind.ROTATION for column in skeleton.columns]
+    return np.where(turns, radians, skeleton.metres_per_unit)
+
+
+FORMAT = Format(name="bvh", title="Biovision Hierarchy", suffixes=(".bvh",), sniff=sniff, read=read)
