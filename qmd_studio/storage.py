@@ -55,16 +55,18 @@ def write_atomic(path: Path | str, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def _mode_of(target: Path) -> int:
+def _mode_of(target: Path) -> int | None:
     try:
         return target.stat().st_mode & 0o777
     except OSError:
-        return 0o666
+        return None  # a new file, whose permissions are the user's default
 
 
-def _write_and_sync(path: Path, data: bytes, *, mode: int) -> None:
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+def _write_and_sync(path: Path, data: bytes, *, mode: int | None) -> None:
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else mode)
     with os.fdopen(descriptor, "wb") as stream:
+        if mode is not None:
+            path.chmod(mode)  # the default mask has taken away what the old file granted
         stream.write(data)
         stream.flush()
         os.fsync(stream.fileno())

@@ -1,0 +1,170 @@
+"""The command line's grammar: every verb, its options and their ranges. Verbs load what they need when they run."""
+
+from __future__ import annotations
+
+import math
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NoReturn
+
+from qmd_studio import __version__
+from qmd_studio.cli.report import Report
+from qmd_studio.errors import QmdStudioError
+
+MAX_COUNT = 1 << 31
+"""Counts on the command line stay below this: no file could hold more rows."""
+
+
+class UsageError(QmdStudioError):
+    """The command line itself is wrong. `usage` is the short form of what would be right."""
+
+    usage: str = ""
+
+
+class _Parser(ArgumentParser):
+    """An `ArgumentParser` whose mistakes can be told as JSON too, so it raises instead of exiting."""
+
+    def error(self, message: str) -> NoReturn:
+        problem = UsageError(message, hint=f"See {self.prog} --help")
+        problem.usage = self.format_usage()
+        raise problem
+
+
+def build_parser() -> ArgumentParser:
+    """Return the parser of `qmd`; the namespace it makes has `run(namespace) -> Report`."""
+    parser = _Parser(prog="qmd", description="Avatar motion that is small to send: look, convert, encode, measure.")
+    parser.add_argument("--version", action="version", version=f"qmd {__version__}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
+    _add_info(verbs)
+    _add_convert(verbs)
+    _add_size(verbs)
+    _add_encode(verbs)
+    _add_decode(verbs)
+    _add_measure(verbs)
+    return parser
+
+
+def _add_verb(verbs: Any, name: str, summary: str) -> ArgumentParser:
+    parser: ArgumentParser = verbs.add_parser(
+        name, help=summary, description=summary[0].upper() + summary[1:] + ".", allow_abbrev=False
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    parser.set_defaults(run=_late(name))
+    return parser
+
+
+def _late(verb: str) -> Callable[[Namespace], Report]:
+    """Return the verb's function without importing its module yet: help and mistakes cost no NumPy."""
+
+    def run(arguments: Namespace) -> Report:
+        report: Report = import_module(f"qmd_studio.cli.{verb}").run(arguments)
+        return report
+
+    return run
+
+
+def _add_info(verbs: Any) -> None:
+    parser = _add_verb(verbs, "info", "say what a file holds")
+    parser.add_argument("file", metavar="FILE")
+    _add_skeleton(parser)
+
+
+def _add_convert(verbs: Any) -> None:
+    parser = _add_verb(verbs, "convert", "write a motion in another format, chosen by the suffix of OUT")
+    parser.add_argument("input", metavar="IN")
+    parser.add_argument("output", metavar="OUT")
+    _add_skeleton(parser)
+    parser.add_argument(
+        "--fps", metavar="F", type=_positive, help="the frame rate, where the file's is wrong or absent"
+    )
+
+
+def _add_size(verbs: Any) -> None:
+    parser = _add_verb(verbs, "size", "say how large a QMD payload will be, without any motion")
+    _add_whole(parser, "--frames", "N", low=0, required=True, help="rows of differences (the paper's n)")
+    _add_whole(parser, "--dofs", "M", low=1, required=True, help="columns of the motion matrix")
+    _add_whole(parser, "--fdf", "F", low=0, required=True, help="columns kept exact")
+    _add_whole(parser, "--bits", "B", low=8, high=16, required=True, help="bits of an index, 8 to 16")
+    _add_whole(parser, "--segment", "D", low=0, required=True, help=_SEGMENT_HELP)
+
+
+def _add_encode(verbs: Any) -> None:
+    parser = _add_verb(verbs, "encode", "encode a motion as QMD and measure what that cost")
+    parser.add_argument("input", metavar="IN")
+    parser.add_argument("output", metavar="OUT.qmd")
+    _add_skeleton(parser)
+    _add_whole(parser, "--fdf", "F", low=0, help="columns kept exact (6)")
+    _add_whole(parser, "--bits", "B", low=8, high=16, default=8, help="bits of an index, 8 to 16 (8)")
+    _add_whole(parser, "--segment", "D", low=0, default=0, help=_SEGMENT_HELP)
+    parser.add_argument("--encoder", choices=("closed", "paper"), default="closed", help="closed loop, or the paper's")
+    parser.add_argument("--k", metavar="K", type=_weight, default=math.inf, help="paper: table weights 1/l^K (inf)")
+    _add_whole(parser, "--rqt", "M", low=1, default=10000, help="paper: values are rounded to 1/M")
+
+
+def _add_decode(verbs: Any) -> None:
+    parser = _add_verb(verbs, "decode", "turn a QMD file back into a motion that other programs read")
+    parser.add_argument("input", metavar="IN.qmd")
+    parser.add_argument("output", metavar="OUT", help="a name that ends in .amc, .bvh, .bap, .csv or .npz")
+
+
+def _add_measure(verbs: Any) -> None:
+    parser = _add_verb(verbs, "measure", "say how far two motions of one skeleton are apart")
+    parser.add_argument("original", metavar="ORIGINAL")
+    parser.add_argument("decoded", metavar="DECODED")
+    _add_skeleton(parser)
+    parser.add_argument(
+        "--align", choices=("none", "first"), default="none", help="first: take both from one first pose"
+    )
+    parser.add_argument("--csv", metavar="FILE", help="write the distance of every joint in every frame, in mm")
+
+
+_SEGMENT_HELP = "rows of a segment, 0 = one segment for all"
+
+
+def _add_skeleton(parser: ArgumentParser) -> None:
+    parser.add_argument("--skeleton", metavar="ASF", help="the skeleton of an AMC, where it is not found beside it")
+
+
+def _add_whole(
+    parser: ArgumentParser, option: str, metavar: str, *, low: int, high: int = MAX_COUNT, **more: Any
+) -> None:
+    parser.add_argument(option, metavar=metavar, type=_whole(option, low, high), **more)
+
+
+def _whole(option: str, low: int, high: int) -> Callable[[str], int]:
+    """Return the reader of a whole number from `low` to `high`."""
+    wanted = f"a whole number from {low} " + (f"to {high}" if high < MAX_COUNT else "up")
+
+    def read(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise _bad_value(option, wanted, text) from None
+        if not low <= value <= high:
+            raise _bad_value(option, wanted, text)
+        return value
+
+    return read
+
+
+def _positive(text: str) -> float:
+    return _number("--fps", "a positive number", text, lambda value: 0 < value < math.inf)
+
+
+def _weight(text: str) -> float:
+    return _number("--k", "a number from 0 up, or inf", text, lambda value: value >= 0)
+
+
+def _number(option: str, wanted: str, text: str, fits: Callable[[float], bool]) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise _bad_value(option, wanted, text) from None
+    if not fits(value):
+        raise _bad_value(option, wanted, text)
+    return value
+
+
+def _bad_value(option: str, wanted: str, got: str) -> UsageError:
+    return UsageError(f"{option} does not take this value", wanted=wanted, got=repr(got), hint="See qmd --help")
