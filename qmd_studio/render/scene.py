@@ -1,0 +1,82 @@
+"""What the renderer is asked to draw: bodies in their poses, and how the stage around them looks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from qmd_studio.arrays import FloatArray
+from qmd_studio.avatar.humanoid import Body
+
+Colour = tuple[float, float, float]
+
+GHOST_TINT: Colour = (0.05, 0.42, 0.95)
+"""The blue of a decoded motion's ghost, linear."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Actor:
+    """A body in one pose: `world_from_joint` (n_joints, 4, 4) metres.
+
+    `tint` (linear 0 to 1) colours the body, `alpha` below 1 lets the scene show through; a ghost is translucent with a
+    brighter rim and casts no shadow. `heat` (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN
+    leaves a joint as it is.
+    """
+
+    body: Body
+    world_from_joint: FloatArray
+    tint: Colour | None = None
+    alpha: float = 1.0
+    ghost: bool = False
+    heat: FloatArray | None = None
+
+    def joint_positions(self) -> FloatArray:
+        """Return the joints' positions (n_joints, 3), metres."""
+        return np.asarray(self.world_from_joint, dtype=np.float64)[:, :3, 3]
+
+    def skin_matrices(self) -> FloatArray:
+        """Return what moves the surface from the binding pose to this one, (n_joints, 4, 4)."""
+        return np.asarray(self.world_from_joint, dtype=np.float64) @ np.linalg.inv(self.body.bind)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """The actors and the stage. `selected` and `hovered` are (actor, joint) numbers; `ground_y` is in metres."""
+
+    actors: tuple[Actor, ...] = ()
+    dark: bool = False
+    selected: tuple[int, int] | None = None
+    hovered: tuple[int, int] | None = None
+    show_ground: bool = True
+    show_axes: bool = True
+    ground_y: float = 0.0
+
+    def points(self) -> FloatArray:
+        """Return points (n, 3) that bound every actor, for framing: the joints and the tips of their surfaces."""
+        clouds = [posed_extremes(actor) for actor in self.actors]
+        return np.concatenate(clouds) if clouds else np.zeros((0, 3))
+
+    def radius(self) -> float:
+        """Return the radius in metres of a sphere about the actors' centre that holds their joints."""
+        points = np.concatenate([a.joint_positions() for a in self.actors]) if self.actors else np.zeros((1, 3))
+        return float(np.linalg.norm(points - points.mean(axis=0), axis=1).max()) + 0.5
+
+
+def posed_vertices(actor: Actor, stride: int = 1) -> FloatArray:
+    """Return every `stride`-th vertex of the actor's surface in its pose, (n, 3) metres."""
+    surface = actor.body.surface
+    matrices = actor.skin_matrices()
+    vertices = surface.vertices[::stride].astype(np.float64)
+    joints, weights = surface.joints[::stride], surface.weights[::stride].astype(np.float64)
+    result = np.zeros_like(vertices)
+    for k in range(4):
+        m = matrices[joints[:, k]]
+        result += weights[:, k, None] * (np.einsum("vij,vj->vi", m[:, :3, :3], vertices) + m[:, :3, 3])
+    return result
+
+
+def posed_extremes(actor: Actor) -> FloatArray:
+    """Return the joints and a thinned cloud of the posed surface, (n, 3) metres."""
+    stride = max(1, len(actor.body.surface.vertices) // 600)
+    return np.concatenate([actor.joint_positions(), posed_vertices(actor, stride)])

@@ -1,0 +1,77 @@
+"""The soft shadow on the ground: what the bones of a body hide of the sky, worked out from capsules on a small map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from qmd_studio.arrays import Float32Array, FloatArray
+from qmd_studio.render.scene import Actor
+
+_SIZE = 72
+_MARGIN_M = 0.45
+_MAX_BONES = 48
+_LEAN = np.array([-0.10, -0.16])  # the shadow's shift along x and z for each metre of height, away from the key light
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShadowMap:
+    """How dark the ground is, `darkness` (rows along z, columns along x) 0 to 1, over a window of it.
+
+    `window` is the corner's x and z and one over width and depth, metres.
+    """
+
+    darkness: Float32Array
+    window: tuple[float, float, float, float]
+
+
+def shadow_map(actors: Iterable[Actor], ground_y: float) -> ShadowMap | None:
+    """Return the soft shadow that the opaque `actors` lay on the ground at `ground_y`, or None where none does."""
+    ends = [_bones(actor, ground_y) for actor in actors if not actor.ghost and actor.alpha >= 1.0]
+    if not ends:
+        return None
+    start, end, scale = (np.concatenate([e[k] for e in ends]) for k in range(3))
+    low = np.minimum(start[:, [0, 2]], end[:, [0, 2]]).min(axis=0) - _MARGIN_M
+    high = np.maximum(start[:, [0, 2]], end[:, [0, 2]]).max(axis=0) + _MARGIN_M
+    size = np.maximum(high - low, 0.1)
+    if not np.isfinite(size).all():
+        return None
+    x = low[0] + (np.arange(_SIZE) + 0.5) / _SIZE * size[0]
+    z = low[1] + (np.arange(_SIZE) + 0.5) / _SIZE * size[1]
+    light = np.ones((_SIZE, _SIZE))
+    for a, b, s in zip(start, end, scale, strict=True):
+        light *= 1.0 - _darkness(x[None, :], z[:, None], (a, b), s)
+    edge = np.minimum(_ramp(_SIZE)[None, :], _ramp(_SIZE)[:, None])
+    window = (float(low[0]), float(low[1]), float(1 / size[0]), float(1 / size[1]))
+    return ShadowMap(((1.0 - light) * edge).astype(np.float32), window)
+
+
+def _bones(actor: Actor, ground_y: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The longest bones: their ends with heights above the ground, and the length that widths are shares of."""
+    joints = actor.body.skeleton.joints
+    at = actor.joint_positions() - (0.0, ground_y, 0.0)
+    parents = np.array([max(j.parent, 0) for j in joints])
+    lengths = np.linalg.norm(at - at[parents], axis=1)
+    longest = np.argsort(-lengths, kind="stable")[:_MAX_BONES]
+    stature = np.full(len(longest), max(float(np.linalg.norm(np.ptp(actor.body.bind[:, :3, 3], axis=0))), 0.05))
+    return at[parents[longest]], at[longest], stature
+
+
+def _darkness(x: FloatArray, z: FloatArray, bone: tuple[FloatArray, FloatArray], stature: float) -> FloatArray:
+    """What one bone hides: near the ground a small dark blot, high above it a wide faint one."""
+    (a, b) = (end[[0, 2]] + _LEAN * max(end[1], 0.0) for end in bone)
+    along = b - a
+    length2 = float(along @ along)
+    t = ((x - a[0]) * along[0] + (z - a[1]) * along[1]) / length2 if length2 > 1e-12 else np.zeros_like(x + z)
+    t = np.clip(t, 0.0, 1.0)
+    away2 = (x - a[0] - t * along[0]) ** 2 + (z - a[1] - t * along[1]) ** 2
+    height = np.maximum(bone[0][1] + t * (bone[1][1] - bone[0][1]), 0.0)
+    width = 0.030 * stature + 0.16 * height
+    strength = 0.62 * (0.03 * stature / width) ** 0.75
+    return np.asarray(strength * np.exp(-away2 / (width * width)))
+
+
+def _ramp(n: int) -> FloatArray:
+    return np.clip(np.minimum(np.arange(n), np.arange(n)[::-1]) / 6.0, 0.0, 1.0)

@@ -1,0 +1,396 @@
+"""The viewport: shows the actors through an orbiting camera, and tells which joint is clicked."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QKeyEvent, QMouseEvent, QPainter, QSurfaceFormat, QWheelEvent
+from PySide6.QtOpenGLWidgets import QOpenGLWidget
+from PySide6.QtWidgets import QToolTip, QWidget
+
+from qmd_studio.errors import QmdStudioError
+from qmd_studio.render.camera import Camera
+from qmd_studio.render.overlay import TRIAD_INSET, TRIAD_RADIUS, triad_preset
+from qmd_studio.render.picking import Hit, pick
+from qmd_studio.render.quality import STILL, QualityController
+from qmd_studio.render.renderer import Renderer
+from qmd_studio.render.scene import Actor, Scene
+from qmd_studio.ui.viewport_keys import Drag, drag_of, verb_of
+
+_ORBIT_RADIANS = 2.6
+"""How far a drag over the picture's whole height turns the camera."""
+_GLIDE_S = 0.07
+_STILL_AFTER_MS = 220
+_HOVER_AFTER_MS = 120
+_CLICK_PIXELS = 4
+
+
+def viewport_format() -> QSurfaceFormat:
+    """Return the surface that the viewport needs; make it the default before the application is made."""
+    surface = QSurfaceFormat()
+    surface.setVersion(3, 3)
+    surface.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
+    surface.setDepthBufferSize(0)
+    surface.setSamples(0)
+    surface.setSwapInterval(1)
+    return surface
+
+
+class Viewport(QOpenGLWidget):
+    """Draws a scene and moves its camera by mouse and keys.
+
+    Orbit by middle drag, Alt + left drag, or left drag; pan with Shift as well or by Alt + middle drag; zoom by wheel,
+    Ctrl + middle drag or Alt + right drag. A click picks a joint.
+    """
+
+    joint_picked = Signal(int)
+    """The joint clicked, -1 for none; `picked_actor` says whose."""
+    camera_changed = Signal()
+    failed = Signal(str)
+    """The 3-D view cannot draw; the message says why and what to do."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setFormat(viewport_format())
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self.setMinimumSize(160, 120)
+        self.setAccessibleName(self.tr("Viewport"))
+        self.animated = True
+        self.picked_actor = 0
+        self._renderer: Renderer | None = None
+        self._quality: QualityController | None = None
+        self._failure: str | None = None
+        self._scene = Scene()
+        self._camera = self._goal = Camera()
+        self._framed_once = False
+        self._message: str | None = None
+        self._drag: Drag | None = None
+        self._pressed = self._last = QPointF()
+        self._last_paint = 0.0
+        self._still = False
+        self._still_timer = QTimer(self, singleShot=True, interval=_STILL_AFTER_MS)
+        self._still_timer.timeout.connect(self._draw_still)
+        self._hover_timer = QTimer(self, singleShot=True, interval=_HOVER_AFTER_MS)
+        self._hover_timer.timeout.connect(self._hover)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that the view shows, or glides to."""
+        return self._goal
+
+    @property
+    def scene(self) -> Scene:
+        """What is shown."""
+        return self._scene
+
+    @property
+    def failure(self) -> str | None:
+        """Why the view cannot draw, or None."""
+        return self._failure
+
+    def set_actors(self, actors: Sequence[Actor]) -> None:
+        """Show these actors; the first that ever come are framed."""
+        selected = self._scene.selected
+        if selected is not None:
+            number, joint = selected
+            if number >= len(actors) or joint >= len(actors[number].body.skeleton.joints):
+                selected = None
+        self._scene = replace(self._scene, actors=tuple(actors), selected=selected, hovered=None)
+        if actors and not self._framed_once:
+            self._framed_once = True
+            self._frame(self._scene.points(), glide=False)
+        self._changed()
+
+    def set_theme(self, dark: bool) -> None:
+        """Draw the stage for a dark or a light window."""
+        self._scene = replace(self._scene, dark=dark)
+        self._changed()
+
+    def set_overlays(self, *, ground: bool | None = None, axes: bool | None = None) -> None:
+        """Show or hide the ground and the axes."""
+        scene = self._scene
+        ground = scene.show_ground if ground is None else ground
+        axes = scene.show_axes if axes is None else axes
+        self._scene = replace(scene, show_ground=ground, show_axes=axes)
+        self._changed()
+
+    def set_message(self, text: str | None) -> None:
+        """Show `text` over the picture; None shows the invitation to drop a file while the stage is empty."""
+        self._message = text
+        self._changed()
+
+    def select_joint(self, joint: int, actor: int = 0) -> None:
+        """Highlight a joint; -1 for none."""
+        self._scene = replace(self._scene, selected=(actor, joint) if joint >= 0 else None)
+        self._changed()
+
+    def frame_all(self) -> None:
+        """Move the camera so that every actor is in the picture."""
+        points = self._scene.points()
+        if len(points):
+            self._frame(points)
+        else:
+            self._go(Camera(yaw=self._goal.yaw, pitch=self._goal.pitch, orthographic=self._goal.orthographic))
+
+    def frame_selection(self) -> None:
+        """Move the camera to the selected joint and what hangs from it; to all where none is selected."""
+        if self._scene.selected is None:
+            self.frame_all()
+            return
+        number, joint = self._scene.selected
+        actor = self._scene.actors[number]
+        inside = {joint}
+        for index, other in enumerate(actor.body.skeleton.joints):
+            if other.parent in inside:
+                inside.add(index)
+        positions = actor.joint_positions()
+        nearest = positions[sorted(inside)]
+        reach = 0.06 * float(np.ptp(positions, axis=0).max())
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * reach
+        self._frame((nearest[:, None] + corners).reshape(-1, 3))
+
+    def view_preset(self, name: str) -> None:
+        """Turn the camera to one of the presets of `qmd_studio.render.camera`, such as "front"."""
+        self._go(self._goal.preset(name))
+
+    def toggle_orthographic(self) -> None:
+        """Change between perspective and parallel projection."""
+        self._go(replace(self._goal, orthographic=not self._goal.orthographic))
+
+    def set_camera(self, camera: Camera) -> None:
+        """Show the scene through `camera` at once."""
+        self._camera = self._goal = camera
+        self._changed()
+        self.camera_changed.emit()
+
+    def finish(self) -> None:
+        """Draw at once what the view would show at rest: camera arrived, best quality. For pictures."""
+        self._camera = self._goal
+        self._still_timer.stop()
+        self._draw_still()
+        self.repaint()
+
+    # Drawing
+
+    def initializeGL(self) -> None:
+        """Make the renderer in the context that Qt has just made, the first or another after a loss."""
+        self._renderer = None
+        self.context().aboutToBeDestroyed.connect(self._release, Qt.ConnectionType.DirectConnection)
+        try:
+            self._renderer = Renderer()
+        except QmdStudioError as error:
+            self._fail(str(error))
+            return
+        self._failure = None
+        self._quality = QualityController(time.perf_counter, software=self._renderer.software)
+
+    def paintGL(self) -> None:
+        """Draw the scene, then words over it."""
+        if self._renderer is not None and self._quality is not None:
+            self._advance()
+            try:
+                self._draw(self._renderer, self._quality)
+            except QmdStudioError as error:
+                self._fail(str(error))
+        self._draw_words()
+
+    def _draw(self, renderer: Renderer, controller: QualityController) -> None:
+        ratio = self.devicePixelRatioF()
+        size = (round(self.width() * ratio), round(self.height() * ratio))
+        controller.begin()
+        renderer.draw(
+            self._scene,
+            self._camera,
+            size,
+            framebuffer=self.defaultFramebufferObject(),
+            quality=STILL if self._still else controller.quality,
+            pixel_ratio=ratio,
+        )
+        renderer.wait()
+        if not self._still:
+            controller.end()
+            self._still_timer.start()
+
+    def _advance(self) -> None:
+        now = time.perf_counter()
+        passed = min(now - self._last_paint, 0.1)
+        self._last_paint = now
+        if self._camera == self._goal:
+            return
+        glide = self.animated and not self._camera.is_near(self._goal)
+        self._camera = self._camera.towards(self._goal, 1.0 - math.exp(-passed / _GLIDE_S)) if glide else self._goal
+        if glide:
+            QTimer.singleShot(0, self.update)
+
+    def _draw_words(self) -> None:
+        empty = not self._scene.actors
+        text = self._failure or self._message
+        if text is None and empty:
+            text = self.tr("Drop a BVH, AMC, BAP, X3D or QMD file here")
+        if text is None:
+            return
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self._failure:
+            painter.fillRect(self.rect(), QColor(34, 37, 43) if self._scene.dark else QColor(222, 226, 232))
+        font = QFont(self.font())
+        font.setPointSizeF(font.pointSizeF() * 1.25)
+        painter.setFont(font)
+        area = QRectF(self.rect()).adjusted(24, 24, -24, -24)
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        box = QFontMetricsF(font).boundingRect(area, int(flags), text).adjusted(-20, -12, 20, 12)
+        dark = self._scene.dark
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(20, 22, 26, 150) if dark else QColor(255, 255, 255, 190))
+        painter.drawRoundedRect(box, 8, 8)
+        painter.setPen(QColor(226, 230, 236) if dark else QColor(40, 46, 56))
+        painter.drawText(area, int(flags), text)
+        painter.end()
+
+    def _draw_still(self) -> None:
+        if self._camera == self._goal:
+            self._still = True
+            self.update()
+
+    def _changed(self) -> None:
+        self._still = False
+        self.update()
+
+    def _fail(self, message: str) -> None:
+        self._failure = message
+        self._renderer = None
+        self.failed.emit(message)
+
+    def _release(self) -> None:
+        if self._renderer is not None:
+            self.makeCurrent()
+            self._renderer.release()
+            self._renderer = None
+            self.doneCurrent()
+
+    # The camera
+
+    def _go(self, camera: Camera) -> None:
+        self._goal = camera
+        if not self.animated:
+            self._camera = camera
+        self._changed()
+        self.camera_changed.emit()
+
+    def _frame(self, points: np.ndarray, *, glide: bool = True) -> None:
+        self._go(self._goal.frame(points, self._aspect()))
+        if not glide:
+            self._camera = self._goal
+
+    def _aspect(self) -> float:
+        return max(self.width(), 1) / max(self.height(), 1)
+
+    def _place(self, at: QPointF) -> tuple[float, float]:
+        return 2 * at.x() / max(self.width(), 1) - 1, 1 - 2 * at.y() / max(self.height(), 1)
+
+    # The mouse and the keys
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._pressed = self._last = event.position()
+        self._drag = drag_of(event.button(), event.modifiers())
+        self._hover_timer.stop()
+        QToolTip.hideText()
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        at = event.position()
+        if self._drag is None:
+            self._last = at
+            self._hover_timer.start()
+            return
+        moved = (at - self._last) / max(self.height(), 1)
+        self._last = at
+        goal = self._goal
+        if self._drag is Drag.ORBIT:
+            if self._was_click(at):
+                return
+            goal = goal.orbit(moved.x() * _ORBIT_RADIANS, -moved.y() * _ORBIT_RADIANS)
+        elif self._drag is Drag.PAN:
+            goal = goal.pan(moved.x(), -moved.y())
+        else:
+            goal = goal.zoom(math.exp(2.5 * (moved.x() - moved.y())))
+        self._camera = goal  # a drag follows the hand without delay
+        self._go(goal)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        clicked = self._drag is not None and event.button() == Qt.MouseButton.LeftButton
+        self._drag = None
+        if clicked and self._was_click(event.position()):
+            self._click(event.position())
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        steps = event.angleDelta().y() / 120.0
+        if steps == 0 or event.modifiers() & Qt.KeyboardModifier.AltModifier:
+            event.ignore()  # Alt and the wheel scrub the timeline
+            return
+        x, y = self._place(event.position())
+        self._go(self._goal.zoom(1.18**steps, (x * self._aspect(), y)))
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        verb = verb_of(event)
+        if verb is None:
+            super().keyPressEvent(event)
+        elif verb == "frame_all":
+            self.frame_all()
+        elif verb == "frame_selection":
+            self.frame_selection()
+        elif verb == "orthographic":
+            self.toggle_orthographic()
+        else:
+            self.view_preset(verb)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        self._hover_timer.stop()
+        self._set_hovered(None)
+        super().leaveEvent(event)
+
+    def _was_click(self, at: QPointF) -> bool:
+        return (at - self._pressed).manhattanLength() < _CLICK_PIXELS
+
+    def _click(self, at: QPointF) -> None:
+        preset = self._triad_preset(at)
+        if preset is not None:
+            self.view_preset(preset)
+            return
+        hit = self.hit(at)
+        self.picked_actor = hit.actor if hit else 0
+        self.select_joint(hit.joint if hit else -1, self.picked_actor)
+        self.joint_picked.emit(hit.joint if hit else -1)
+
+    def hit(self, at: QPointF) -> Hit | None:
+        """Return what is under a place of the widget, or None."""
+        x, y = self._place(at)
+        return pick(self._scene, *self._camera.ray(x, y, self._aspect()))
+
+    def _triad_preset(self, at: QPointF) -> str | None:
+        if not self._scene.show_axes:
+            return None
+        right = (at.x() - (self.width() - TRIAD_INSET)) / TRIAD_RADIUS
+        up = (TRIAD_INSET - at.y()) / TRIAD_RADIUS
+        return triad_preset(self._camera, right, up)
+
+    def _hover(self) -> None:
+        hit = self.hit(self._last) if self._triad_preset(self._last) is None else None
+        self._set_hovered((hit.actor, hit.joint) if hit else None)
+        if hit is None:
+            QToolTip.hideText()
+            return
+        name = self._scene.actors[hit.actor].body.skeleton.joints[hit.joint].name
+        QToolTip.showText(self.mapToGlobal(self._last.toPoint()), name, self)
+
+    def _set_hovered(self, hovered: tuple[int, int] | None) -> None:
+        if hovered != self._scene.hovered:
+            self._scene = replace(self._scene, hovered=hovered)
+            self._changed()
