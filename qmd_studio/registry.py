@@ -36,7 +36,7 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
     path = Path(path)
     data = read_bytes(path)
     try:
-        chosen = _recognise(data, path)
+        chosen = recognise(data, path)
         return chosen.read(data, _with_path(options, path))
     except QmdStudioError as problem:
         problem.located(path)
@@ -87,7 +87,8 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def _recognise(data: bytes, path: Path) -> Format:
+def recognise(data: bytes, path: Path) -> Format:
+    """Return the format of a file by its content first and its suffix second; raises `FormatError` for neither."""
     head = data[:SNIFFED_BYTES]
     suffix = path.suffix.lower()
     by_content = [candidate for candidate in formats() if candidate.sniff(head)]
