@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     FORMATS: tuple[Format, ...]
 
-FORMAT_MODULES: tuple[str, ...] = ("qmd_studio.formats.bvh",)
+FORMAT_MODULES: tuple[str, ...] = ("qmd_studio.formats.bvh", "qmd_studio.formats.asf_amc", "qmd_studio.formats.asf")
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
 
 SNIFFED_BYTES = 4096
@@ -46,15 +46,21 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
 def save_motion(path: Path | str, motion: Motion) -> None:
     """Write `motion` to `path`, whole or not at all, in the format that the suffix names.
 
+    A file that the format needs beside it, such as an AMC's skeleton, is written too unless one is there.
+
     Raises `FormatError` where no format has that suffix or the format cannot hold the motion's skeleton, and
     `StorageError` where the file cannot be written.
     """
     path = Path(path)
     try:
         data = encode_motion(path.suffix, motion)
+        companion = format_for(path).companion
+        beside = companion(path, motion) if companion else None
     except QmdStudioError as problem:
         problem.located(path)
         raise
+    if beside:
+        write_atomic(*beside)
     write_atomic(path, data)
 
 

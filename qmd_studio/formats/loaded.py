@@ -44,6 +44,8 @@ class Format:
     `sniff(head)` answers from the first 4,096 bytes whether the content is of this format. `read(data, options)`
     returns what the file held or raises `FormatError`. `write(motion)` returns the file's bytes, or raises
     `FormatError` where the motion's skeleton cannot be held; None where the format is read only.
+    `companion(path, motion)` returns the path and bytes of a second file that the first, at `path`, cannot be opened
+    without, or None where one stands there already.
     """
 
     name: str
@@ -52,3 +54,4 @@ class Format:
     sniff: Callable[[bytes], bool]
     read: Callable[[bytes, ReadOptions], Loaded]
     write: Callable[[Motion], bytes] | None = None
+    companion: Callable[[Path, Motion], tuple[Path, bytes] | None] | None = None
