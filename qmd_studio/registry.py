@@ -19,7 +19,12 @@ if TYPE_CHECKING:
 
     FORMATS: tuple[Format, ...]
 
-FORMAT_MODULES: tuple[str, ...] = ("qmd_studio.formats.bvh", "qmd_studio.formats.asf_amc", "qmd_studio.formats.asf")
+FORMAT_MODULES: tuple[str, ...] = (
+    "qmd_studio.formats.bvh",
+    "qmd_studio.formats.asf_amc",
+    "qmd_studio.formats.asf",
+    "qmd_studio.formats.bap_text",
+)
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
 
 SNIFFED_BYTES = 4096

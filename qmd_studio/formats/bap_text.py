@@ -79,18 +79,14 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
             "the file holds no complete frame", wanted="a line of mask and a line of values", got=f"{len(data)} bytes"
         )
     if header.n_frames != len(frames):
-        told = (
-            "no number of frames"
-            if header.n_frames is None
-            else f"{header.n_frames:.0f} frames"
-            if abs(header.n_frames) < 1e15
-            else f"{header.n_frames:g} frames"
-        )
+        told = "no number of frames" if header.n_frames is None else f"{header.n_frames:.15g} frames"
         warnings.append(f"The header gives {told}; the file holds {len(frames)} and all are read.")
     rows, step = _rows(frames, warnings)
-    motion = _motion(frames, rows, _ids_of_mask(n_mask), name=header.name, fps=header.fps / step)
+    fps = header.fps / step if options.fps is None else options.fps
+    name = header.name or (options.path.stem if options.path else "")
+    motion = _motion(frames, rows, _ids_of_mask(n_mask), name=name, fps=fps)
     notes = [f"Version {header.version}, masks of {n_mask}{' (older numbering)' if n_mask == N_OLD_BAPS else ''}."]
-    if step > 1:
+    if fps < header.fps:
         notes.append(f"Frame numbers go by {step}: {header.fps:g} frames a second are read as {motion.fps:g}.")
     return Loaded(skeleton=motion.skeleton, motion=motion, warnings=tuple(warnings), notes=tuple(notes))
 
@@ -142,11 +138,10 @@ def _read_header(lines: Iterator[_Line], options: ReadOptions) -> _Header:
     tokens = line.tokens
     if len(tokens) < 2 or not _is_version(tokens[0]):
         raise FormatError("this is not a BAP header", at=line.at, wanted=wanted, got=_shown(tokens))
-    rate, count = _number(tokens[-2]) if len(tokens) > 2 else None, _number(tokens[-1])
-    if rate is None:  # one number only: the rate, the number of frames being left out
-        rate, count, name = count, None, tokens[1:-1]
-    else:
-        name = tokens[1:-2]
+    if len(tokens) > 2 and _looks_numeric(tokens[-2]):
+        name, rate, count = tokens[1:-2], _number(tokens[-2]), _number(tokens[-1])
+    else:  # one number only: the rate, the number of frames being left out
+        name, rate, count = tokens[1:-1], _number(tokens[-1]), None
     fps = options.fps if options.fps is not None else rate
     if fps is None or fps <= 0:
         raise FormatError(
@@ -285,6 +280,12 @@ def _ids_of_mask(n_mask: int) -> IntArray:
 
 def _is_version(token: str) -> bool:
     return re.fullmatch(r"[vV]?\d{1,3}(\.\d{1,3}){0,2}", token) is not None
+
+
+def _looks_numeric(token: str) -> bool:
+    return (
+        _number(token) is not None or re.fullmatch(r"[-+]?(nan|inf(inity)?|[\d.]+e[-+]?\d+)", token.lower()) is not None
+    )
 
 
 def _number(token: str) -> float | None:
