@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.bvh_hierarchy import BvhNode, parse_hierarchy, parse_number
 from qmd_studio.formats.bvh_numbers import MotionHead, Rows, line_at, parse_head, parse_rows
+from qmd_studio.formats.bvh_write import write
 from qmd_studio.formats.frame_rate import rate_from_frame_time
 from qmd_studio.formats.length_unit import with_guessed_unit
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
+from qmd_studio.motion.channels import channel_skeleton, default_site_name
 from qmd_studio.motion.motion import Motion
-from qmd_studio.motion.skeleton import MAX_LEVEL, Column, ColumnKind, EndSite, Joint, Skeleton, SkeletonKind, depths
+from qmd_studio.motion.skeleton import ColumnKind, EndSite, Skeleton, Vector3
 
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
 _SNIFF = re.compile(rb"\s*HIERARCHY\s", re.IGNORECASE)
@@ -61,60 +62,19 @@ def _decode(header: bytes) -> str:
 
 
 def _skeleton(nodes: list[BvhNode]) -> Skeleton:
-    """Build the skeleton in file units; end sites are ordered by joint."""
+    """Build the skeleton in file units."""
     number: dict[int, int] = {}
-    for index, node in enumerate(nodes):
-        if not node.is_site:
-            number[index] = len(number)
-    joints: list[Joint] = []
-    columns: list[Column] = []
+    joints: list[tuple[str, int, Vector3, tuple[str, ...]]] = []
     sites: list[EndSite] = []
-    for node in nodes:
+    for index, node in enumerate(nodes):
         offset = node.offset or (0.0, 0.0, 0.0)
+        parent = number.get(node.parent, -1)
         if node.is_site:
-            joint = number[node.parent]
-            sites.append(EndSite(node.name or default_site_name(joints[joint].name), joint, offset))
-            continue
-        product = []
-        for channel in node.channels:
-            if channel.endswith("rotation"):
-                product.append(len(columns))
-            columns.append(_column(channel, node, len(joints)))
-        joints.append(Joint(node.name, number.get(node.parent, -1), offset, tuple(product)))
-    depth = depths(tuple(joint.parent for joint in joints))
-    sites.sort(key=lambda site: site.joint)
-    return Skeleton(
-        name=joints[0].name,
-        kind=SkeletonKind.BVH,
-        joints=tuple(joints),
-        end_sites=tuple(sites),
-        columns=_named_apart([replace(c, level=min(depth[c.joint], MAX_LEVEL)) for c in columns]),
-        points=tuple(range(len(joints) + len(sites))),
-    )
-
-
-def default_site_name(joint_name: str) -> str:
-    """Return the name of an end site that the file leaves without one."""
-    return f"{joint_name} end"
-
-
-def _column(channel: str, node: BvhNode, joint: int) -> Column:
-    axis = "XYZ".index(channel[0])
-    name = f"{node.name} {channel}"
-    if channel.endswith("rotation"):
-        return Column(name, joint, ColumnKind.ROTATION, axis)
-    rest = node.offset[axis] if node.offset else 0.0
-    return Column(name, joint, ColumnKind.TRANSLATION, axis, rest=rest)
-
-
-def _named_apart(columns: list[Column]) -> tuple[Column, ...]:
-    """Number the columns whose joints share a name, so that a column's name is its own."""
-    seen: dict[str, int] = {}
-    result = []
-    for column in columns:
-        count = seen[column.name] = seen.get(column.name, 0) + 1
-        result.append(column if count == 1 else replace(column, name=f"{column.name} #{count}"))
-    return tuple(result)
+            sites.append(EndSite(node.name or default_site_name(joints[parent][0]), parent, offset))
+        else:
+            number[index] = len(joints)
+            joints.append((node.name, parent, offset, node.channels))
+    return channel_skeleton(joints, sites)
 
 
 def _check_counts(head: MotionHead, rows: Rows) -> tuple[str, ...]:
@@ -159,4 +119,4 @@ def _factors(skeleton: Skeleton) -> np.ndarray[tuple[int], np.dtype[np.float64]]
     return np.where(turns, radians, skeleton.metres_per_unit)
 
 
-FORMAT = Format(name="bvh", title="Biovision Hierarchy", suffixes=(".bvh",), sniff=sniff, read=read)
+FORMAT = Format(name="bvh", title="Biovision Hierarchy", suffixes=(".bvh",), sniff=sniff, read=read, write=write)
