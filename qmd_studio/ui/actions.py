@@ -1,0 +1,180 @@
+"""Every verb of the window in one table, which feeds the menus, the tool bar and the list of shortcuts."""
+
+# ruff: noqa: E501  - a row of the table stays on its line
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from PySide6.QtCore import QCoreApplication, QObject, Qt
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
+from PySide6.QtWidgets import QWidget
+
+from qmd_studio.ui.icons import icon
+
+
+class Needs(StrEnum):
+    """What must be there for a verb to be of use."""
+
+    NOTHING = "nothing"
+    CLIP = "clip"
+    FRAMES = "more than one frame"
+    SELECTION = "a selected joint"
+    DECODED = "a decoded motion"
+    UNDO = "a step to take back"
+    REDO = "a step taken back"
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """One verb: `id` for the code, `text` with its & for the menu `menu`, the first of `keys` shown beside it.
+
+    `section` parts a menu by separators. Verbs with the same `choice` are alternatives, one of which is on.
+    """
+
+    id: str
+    text: str
+    menu: str
+    section: int
+    tip: str
+    keys: tuple[str, ...] = ()
+    icon: str = ""
+    needs: Needs = Needs.NOTHING
+    checkable: bool = False
+    choice: str = ""
+
+
+_C, _F, _D = Needs.CLIP, Needs.FRAMES, Needs.DECODED
+
+VERBS: tuple[Verb, ...] = (
+    Verb("open", "&Open…", "file", 1, "Open motions or bodies; files can also be dropped on the window", ("Ctrl+O",), "open"),
+    Verb("export_qmd", "Export &QMD", "file", 2, "Write the very bytes that were measured to a QMD file", ("Ctrl+E",), "export", _C),
+    Verb("export_as", "Export &as…", "file", 2, "Write the shown clip to a file of any format that can hold it", ("Ctrl+Shift+E",), "", _C),
+    Verb("close_clip", "&Close clip", "file", 3, "Close the shown clip; undo brings it back", ("Ctrl+W",), "", _C),
+    Verb("quit", "&Quit", "file", 4, "Leave the studio; the layout is remembered", ("Ctrl+Q",)),
+    Verb("undo", "&Undo", "edit", 1, "Take back the last change", ("Ctrl+Z",), "undo", Needs.UNDO),
+    Verb("redo", "&Redo", "edit", 1, "Do the change that was taken back again", ("Ctrl+Shift+Z", "Ctrl+Y"), "redo", Needs.REDO),
+    Verb("rename_clip", "Re&name clip", "edit", 2, "Give the shown clip another name", ("F2",), "", _C),
+    Verb("dismiss", "&Dismiss message", "edit", 3, "Close the newest message in the window", ("Esc",)),
+    Verb("frame_all", "Frame &all", "view", 1, "Move the camera so that the whole body is seen", ("Shift+F",), "frame-all", _C),
+    Verb("frame_selection", "&Frame selection", "view", 1, "Move the camera to the selected joint", ("F",), "frame-selection", Needs.SELECTION),
+    Verb("view_front", "F&ront", "view_from", 1, "Look from the front", ("1",)),
+    Verb("view_back", "&Back", "view_from", 1, "Look from behind", ("Ctrl+1",)),
+    Verb("view_left", "&Left side", "view_from", 1, "Look at the left side", ("3",)),
+    Verb("view_right", "&Right side", "view_from", 1, "Look at the right side", ("Ctrl+3",)),
+    Verb("view_top", "&Top", "view_from", 1, "Look from above", ("7",)),
+    Verb("view_three_quarter", "Three-&quarter", "view_from", 1, "Look from the front, a little to the side and above", ("0",)),
+    Verb("orthographic", "&Parallel projection", "view_from", 2, "Change between perspective and parallel projection", ("5",)),
+    Verb("show_original", "&Original", "view", 2, "Show the motion as it is", ("Alt+1",), "original", _C, True, "overlay"),
+    Verb("show_both", "Original and d&ecoded", "view", 2, "Show the motion, and as a ghost what the QMD file plays", ("Alt+2",), "both", _D, True, "overlay"),
+    Verb("show_decoded", "&Decoded", "view", 2, "Show what the QMD file plays", ("Alt+3",), "decoded", _D, True, "overlay"),
+    Verb("theme_system", "&System", "theme", 1, "Light or dark as the system is", (), "", Needs.NOTHING, True, "theme"),
+    Verb("theme_light", "&Light", "theme", 1, "Always light", (), "", Needs.NOTHING, True, "theme"),
+    Verb("theme_dark", "&Dark", "theme", 1, "Always dark", (), "", Needs.NOTHING, True, "theme"),
+    Verb("full_screen", "F&ull screen", "view", 4, "Use the whole screen, or go back to a window", ("F11",)),
+    Verb("reset_layout", "Rese&t layout", "view", 4, "Put every panel back where it was at first"),
+    Verb("play", "&Play", "animate", 1, "Play or pause", ("Space",), "play", _F),
+    Verb("play_reverse", "Play in re&verse", "animate", 1, "Play backwards or pause", ("Ctrl+Shift+Space",), "reverse", _F),
+    Verb("previous_frame", "Pre&vious frame", "animate", 2, "Back one frame", ("Left",), "previous", _F),
+    Verb("next_frame", "&Next frame", "animate", 2, "On one frame", ("Right",), "next", _F),
+    Verb("back_second", "&Back one second", "animate", 2, "Back one second", ("Ctrl+Left",), "", _F),
+    Verb("on_second", "&On one second", "animate", 2, "On one second", ("Ctrl+Right",), "", _F),
+    Verb("first_frame", "&First frame", "animate", 2, "To the first frame", ("Home", "Shift+Left"), "first", _F),
+    Verb("last_frame", "&Last frame", "animate", 2, "To the last frame", ("End", "Shift+Right"), "last", _F),
+    Verb("go_to", "&Go to…", "animate", 2, "Type a frame (123), seconds (4.1s) or a time (0:04.1)", ("Ctrl+G",), "", _F),
+    Verb("loop", "L&oop", "animate", 3, "Start again at the end", ("Ctrl+L",), "loop", _F, True),
+    Verb("range_start", "Range &starts here", "animate", 4, "Play from the shown frame on", ("P",), "", _F),
+    Verb("range_end", "Range &ends here", "animate", 4, "Play up to the shown frame", ("Shift+P",), "", _F),
+    Verb("range_clear", "&Clear range", "animate", 4, "Play the whole clip again", ("Alt+P",), "", _F),
+    Verb("slower", "Slo&wer", "animate", 5, "Halve the speed, to a tenth at most", ("Ctrl+Down",), "", _F),
+    Verb("faster", "Fas&ter", "animate", 5, "Double the speed, to four times at most", ("Ctrl+Up",), "", _F),
+    Verb("reset_codec", "&Reset settings", "compress", 2, "Set FDF, b, n_d and the encoder back to what they were at first", (), "", _C),
+    Verb("encoder_closed", "&Closed loop", "encoder", 1, "Each index makes up for the error so far", (), "", _C, True, "encoder"),
+    Verb("encoder_paper", "&Paper", "encoder", 1, "Each index as the paper chooses it: errors add up", (), "", _C, True, "encoder"),
+    Verb("help", "&Contents", "help", 1, "How the studio is used, and the QMD format byte by byte", ("F1",), "help"),
+    Verb("shortcuts", "&Keyboard shortcuts", "help", 1, "All keys in one list", ("Ctrl+/",)),
+    Verb("about", "&About QMD Studio", "help", 2, "Version, licence and what the studio runs on"),
+)  # fmt: skip
+
+REPEATING = {"previous_frame", "next_frame", "back_second", "on_second", "undo", "redo"}
+"""Verbs that go on while their key is held down."""
+
+
+class Actions(QObject):
+    """The table as `QAction`s of one window; `actions["play"]` is the action of that verb."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self._actions: dict[str, QAction] = {}
+        self._groups: dict[str, QActionGroup] = {}
+        for verb in VERBS:
+            action = QAction(translated(verb.text), window)
+            action.setObjectName(verb.id)
+            action.setShortcuts([QKeySequence(key) for key in verb.keys])
+            action.setShortcutContext(Qt.ShortcutContext.WindowShortcut)
+            action.setAutoRepeat(verb.id in REPEATING)
+            action.setCheckable(verb.checkable)
+            action.setStatusTip(translated(verb.tip))
+            action.setToolTip(tip_of(verb))
+            if verb.choice:
+                self._groups.setdefault(verb.choice, QActionGroup(self)).addAction(action)
+            window.addAction(action)
+            self._actions[verb.id] = action
+        self.refresh_icons()
+
+    def __getitem__(self, verb_id: str) -> QAction:
+        return self._actions[verb_id]
+
+    def connect_all(self, handlers: Mapping[str, Callable[[], object]]) -> None:
+        """Connect each verb to its handler; raises `KeyError` where a verb has none or a handler no verb."""
+        if missing := self._actions.keys() ^ handlers.keys():
+            raise KeyError(f"verbs and handlers differ: {sorted(missing)}")
+        for verb_id, handler in handlers.items():
+            self._actions[verb_id].triggered.connect(lambda _checked=False, handler=handler: handler())
+
+    def refresh_icons(self) -> None:
+        """Draw the icons in the colours of the present theme."""
+        for verb in VERBS:
+            if verb.icon:
+                self._actions[verb.id].setIcon(icon(verb.icon))
+
+    def enable(self, present: set[Needs]) -> None:
+        """Enable the verbs whose needs are `present`."""
+        for verb in VERBS:
+            self._actions[verb.id].setEnabled(verb.needs is Needs.NOTHING or verb.needs in present)
+
+    def in_menu(self, menu: str) -> list[QAction | None]:
+        """Return the actions of `menu` in order, None standing for a separator."""
+        result: list[QAction | None] = []
+        section = None
+        for verb in VERBS:
+            if verb.menu == menu:
+                if section not in (None, verb.section):
+                    result.append(None)
+                section = verb.section
+                result.append(self._actions[verb.id])
+        return result
+
+
+def translated(text: str) -> str:
+    """Return a text of the table in the user's language."""
+    return QCoreApplication.translate("Actions", text)
+
+
+def plain_text(verb: Verb) -> str:
+    """Return the verb's text without its mnemonic."""
+    return translated(verb.text).replace("&", "")
+
+
+def keys_text(verb: Verb) -> str:
+    """Return the verb's keys as the platform writes them."""
+    native = QKeySequence.SequenceFormat.NativeText
+    return ", ".join(QKeySequence(key).toString(native) for key in verb.keys)
+
+
+def tip_of(verb: Verb) -> str:
+    """Return the verb's tool tip, its keys at the end."""
+    keys = keys_text(verb)
+    return translated(verb.tip) + (f"  ({keys})" if keys else "")

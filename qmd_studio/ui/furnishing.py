@@ -1,0 +1,44 @@
+"""What the window gets after its first picture: the default body, the codec lab, and compiled kernels made ready."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from qmd_studio.ui.stage import Overlay
+
+if TYPE_CHECKING:
+    from qmd_studio.tuning.session import EncodeReport
+    from qmd_studio.ui.main_window import MainWindow
+
+
+def furnish_window(window: MainWindow) -> None:
+    """Bring in what the first picture could do without."""
+    window.stage.show_default_body()
+    _bring_lab(window)
+
+
+def _bring_lab(window: MainWindow) -> None:
+    try:
+        from qmd_studio.ui.codec_lab import CodecLab
+    except ImportError:
+        return
+
+    lab = CodecLab(window.document, window.playhead, window)
+    window.lab = lab
+    window.lab_dock.setWidget(lab)
+
+    def show_report(report: EncodeReport) -> None:
+        window.stage.show_decoded(report.decoded)
+        window.status.show_figures(report.file_bytes, report.error.def_)
+        window.enable_verbs()
+
+    def clear_report() -> None:
+        window.stage.show_decoded(None)
+        window.status.clear_figures()
+        window.enable_verbs()
+
+    lab.report_ready.connect(show_report)
+    lab.report_cleared.connect(clear_report)
+    lab.view_mode_changed.connect(lambda mode: window.show_overlay(Overlay(mode)))
+    lab.reopen_wanted.connect(lambda path: window.open_paths([path]))
+    window.show_overlay(Overlay(lab.view_mode))

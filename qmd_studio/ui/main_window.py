@@ -1,0 +1,399 @@
+"""The window: the viewport in the middle, the timeline below, the panels around it, and the verbs that join them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
+from PySide6.QtWidgets import QGridLayout, QMainWindow, QVBoxLayout, QWidget
+
+from qmd_studio import assets
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import QmdStudioError
+from qmd_studio.project.clip import Clip
+from qmd_studio.project.commands import AddClip, RemoveClip, SetCodecSettings
+from qmd_studio.project.document import Document
+from qmd_studio.project.playhead import Playhead
+from qmd_studio.project.state import DocumentState
+from qmd_studio.ui.actions import Actions, Needs
+from qmd_studio.ui.banner import BannerArea
+from qmd_studio.ui.clip_panel import ClipPanel
+from qmd_studio.ui.dialogs import AboutDialog, HelpDialog, ShortcutsDialog, ask_export, ask_open
+from qmd_studio.ui.drop import dropped_files
+from qmd_studio.ui.icons import application_icon, icon
+from qmd_studio.ui.menus import Menus, tool_bar
+from qmd_studio.ui.opener import Opener
+from qmd_studio.ui.outliner import Outliner
+from qmd_studio.ui.panels import LAB_WIDTH, arrange, dock, scrolling
+from qmd_studio.ui.player import Player
+from qmd_studio.ui.saver import Saver
+from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
+from qmd_studio.ui.stage import Overlay, Stage
+from qmd_studio.ui.status import StatusBar
+from qmd_studio.ui.theme import Theme, ThemeSwitch
+from qmd_studio.ui.timeline import Timeline
+from qmd_studio.ui.transport import transport_handlers
+from qmd_studio.ui.viewport import Viewport
+
+SAMPLE = "walk.bap"
+DEFAULT_SIZE = (1440, 900)
+_OVERLAY_VERBS = {
+    "show_original": Overlay.ORIGINAL,
+    "show_both": Overlay.BOTH,
+    "show_decoded": Overlay.DECODED,
+}
+
+
+class MainWindow(QMainWindow):
+    """Owns the document and the playhead.
+
+    `furnished` is emitted once, when what the first picture could do without has come.
+    """
+
+    furnished = Signal()
+
+    def __init__(self, settings: Settings, themes: ThemeSwitch) -> None:
+        super().__init__()
+        self.settings, self.themes = settings, themes
+        self.document, self.playhead = Document(), Playhead()
+        self.lab = None
+        self._is_furnished = False
+        self._shown_clip: int | None = None
+        self._after_furnishing: list[Callable[[], None]] = []
+        self.setWindowIcon(application_icon())
+        self.setAcceptDrops(True)
+        self.setDockNestingEnabled(True)
+        self.resize(*DEFAULT_SIZE)
+        self.verbs = Actions(self)
+        self.opener, self.saver = Opener(self), Saver(self)
+        self._make_centre()
+        self._make_panels()
+        self._make_bars()
+        self.stage = Stage(self.viewport, self.playhead, self)
+        self.player = Player(self.playhead, self)
+        self.verbs.connect_all(self._handlers())
+        self._connect()
+        self._first_state = self.saveState(LAYOUT_VERSION)
+        self._restore_layout()
+        self._follow_theme()
+        self._follow(self.document.state)
+
+    # What the window consists of
+
+    def _make_centre(self) -> None:
+        self.viewport = Viewport()
+        self.banners = BannerArea()
+        self.timeline = Timeline(self.playhead, self.verbs)
+        centre, view = QWidget(), QWidget()
+        grid = QGridLayout(view)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.addWidget(self.viewport, 0, 0)
+        grid.addWidget(self.banners, 0, 0, Qt.AlignmentFlag.AlignTop)
+        column = QVBoxLayout(centre)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(view, 1)
+        column.addWidget(self.timeline)
+        self.setCentralWidget(centre)
+
+    def _make_panels(self) -> None:
+        self.outliner, self.clip_panel = Outliner(self.document), ClipPanel(self.document)
+        room = QWidget()
+        room.setMinimumWidth(LAB_WIDTH - 40)
+        self.outliner_dock = dock(self, "OutlinerDock", self.tr("Outliner"), self.outliner)
+        self.clip_dock = dock(self, "ClipDock", self.tr("Clip"), scrolling(self.clip_panel))
+        self.lab_dock = dock(self, "LabDock", self.tr("Codec lab"), room)
+        arrange(self, self.outliner_dock, self.clip_dock, self.lab_dock)
+
+    def _make_bars(self) -> None:
+        self.menus = Menus(
+            self,
+            self.verbs,
+            recent=lambda: self.settings.recent,
+            open_recent=lambda path: self.open_paths([path]),
+            clear_recent=self.settings.clear_recent,
+        )
+        self.menus.add_panels([d.toggleViewAction() for d in (self.outliner_dock, self.clip_dock, self.lab_dock)])
+        self.tools = tool_bar(self, self.verbs)
+        self.addToolBar(self.tools)
+        self.status = StatusBar(self.playhead)
+        self.setStatusBar(self.status)
+
+    def _handlers(self) -> dict[str, Callable[[], object]]:
+        view = self.viewport.view_preset
+        return {
+            **transport_handlers(self.playhead),
+            "open": self._open_by_dialog,
+            "export_qmd": self.export_qmd,
+            "export_as": self._export_by_dialog,
+            "close_clip": self._close_clip,
+            "quit": self.close,
+            "undo": self.document.undo,
+            "redo": self.document.redo,
+            "rename_clip": self.outliner.rename_active,
+            "dismiss": self.banners.dismiss_newest,
+            "frame_all": self.viewport.frame_all,
+            "frame_selection": self.viewport.frame_selection,
+            "view_front": lambda: view("front"),
+            "view_back": lambda: view("back"),
+            "view_left": lambda: view("left"),
+            "view_right": lambda: view("right"),
+            "view_top": lambda: view("top"),
+            "view_three_quarter": lambda: view("three-quarter"),
+            "orthographic": self.viewport.toggle_orthographic,
+            **{verb: lambda o=overlay: self._choose_overlay(o) for verb, overlay in _OVERLAY_VERBS.items()},
+            **{f"theme_{theme}": lambda t=theme: self._choose_theme(t) for theme in Theme},
+            "full_screen": self._toggle_full_screen,
+            "reset_layout": self.reset_layout,
+            "go_to": self.timeline.edit_place,
+            "reset_codec": lambda: self.document.execute(SetCodecSettings(QmdSettings())),
+            "encoder_closed": lambda: self._choose_encoder(Encoder.CLOSED),
+            "encoder_paper": lambda: self._choose_encoder(Encoder.PAPER),
+            "help": lambda: HelpDialog(self).show(),
+            "shortcuts": lambda: ShortcutsDialog(self).show(),
+            "about": lambda: AboutDialog(self).show(),
+        }
+
+    def _connect(self) -> None:
+        self.document.changed.connect(self._follow)
+        self.themes.changed.connect(self._follow_theme)
+        self.opener.opened.connect(self._add_clips)
+        self.opener.failed.connect(self.show_problem)
+        self.opener.busy_changed.connect(lambda name: self._show_job(self.tr("Opening {name}"), name))
+        self.saver.busy_changed.connect(lambda name: self._show_job(self.tr("Writing {name}"), name))
+        self.saver.saved.connect(self._tell_saved)
+        self.saver.failed.connect(self.show_problem)
+        self.status.cancelled.connect(self.opener.cancel)
+        self.viewport.joint_picked.connect(self._pick_joint)
+        self.viewport.failed.connect(lambda message: self.show_problem(QmdStudioError(message)))
+        self.outliner.joint_selected.connect(self._select_joint)
+        self.outliner.warnings_wanted.connect(self.show_warnings)
+        for panel in (self.outliner, self.clip_panel, self.timeline):
+            panel.refused.connect(self.show_problem)
+
+    # After the first picture
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if not self._is_furnished:
+            self.viewport.frameSwapped.connect(self._furnish_soon, Qt.ConnectionType.SingleShotConnection)
+            QTimer.singleShot(1500, self.furnish)  # a window that cannot draw is furnished all the same
+
+    def _furnish_soon(self) -> None:
+        QTimer.singleShot(0, self.furnish)
+
+    def furnish(self) -> None:
+        """Bring in the codec lab, the default body and the compiled kernels; once, after the first picture."""
+        if self._is_furnished:
+            return
+        self._is_furnished = True
+        from qmd_studio.ui.furnishing import furnish_window
+
+        furnish_window(self)
+        self.furnished.emit()
+        for action in self._after_furnishing:
+            action()
+
+    def when_furnished(self, action: Callable[[], None]) -> None:
+        """Do `action` as soon as the window is furnished."""
+        if self._is_furnished:
+            action()
+        else:
+            self._after_furnishing.append(action)
+
+    # Files
+
+    def open_paths(self, paths: list[Path]) -> None:
+        """Open files beside what is open already; each that cannot be opened gives a message."""
+        self.opener.open(paths)
+
+    def open_sample(self) -> None:
+        """Open the sample motion that ships with the studio, where it is there."""
+        sample = assets.resource("motions", SAMPLE)
+        if sample.is_file():
+            self.opener.open([sample])
+
+    def export_qmd(self) -> None:
+        """Write the bytes that were measured beside the clip's own file."""
+        if self.lab is not None:
+            self.lab.export()
+
+    def _open_by_dialog(self) -> None:
+        paths = ask_open(self, self.settings.folder("open"))
+        if paths:
+            self.settings.set_folder("open", paths[0].parent)
+            self.open_paths(paths)
+
+    def _export_by_dialog(self) -> None:
+        clip = self.document.state.active_clip
+        if clip is None:
+            return
+        stem = clip.path.stem if clip.path else clip.name
+        path = ask_export(self, self.settings.folder("export") / f"{stem}.bvh")
+        if path is None:
+            return
+        self.settings.set_folder("export", path.parent)
+        self.saver.save(path, clip.motion)
+
+    def _add_clips(self, clips: list[Clip]) -> None:
+        if len(clips) == 1:
+            self.document.execute(AddClip(clips[0]))
+        else:
+            with self.document.transaction(self.tr("Open {n} files").format(n=len(clips))):
+                for clip in clips:
+                    self.document.execute(AddClip(clip))
+        samples = assets.resource("motions")
+        for clip in clips:
+            if clip.path is not None and clip.path.parent != samples:
+                self.settings.add_recent(clip.path)
+        self.playhead.seek(0.0)
+        self.playhead.playing = self.playhead.n_frames > 1
+
+    def _close_clip(self) -> None:
+        if self.document.state.active is not None:
+            self.document.execute(RemoveClip(self.document.state.active))
+
+    def _tell_saved(self, path: Path) -> None:
+        self.show_message("info", self.tr("Written"), [str(path)])
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if dropped_files(event.mimeData()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        paths = dropped_files(event.mimeData())
+        if paths:
+            event.acceptProposedAction()
+            self.activateWindow()
+            self.open_paths(paths)
+
+    # Messages
+
+    def show_problem(self, problem: QmdStudioError) -> None:
+        """Show an error inside the window."""
+        self.banners.show_error(problem, self.themes.colours.error)
+
+    def show_message(self, kind: str, title: str, lines: list[str]) -> None:
+        """Show a message of `kind` "error", "warning" or "info" inside the window."""
+        self.banners.show_message(kind, title, lines, getattr(self.themes.colours, kind))
+
+    def show_warnings(self, key: int) -> None:
+        """Show what the reader of the clip `key` warned of."""
+        clip = self.document.state.clip(key)
+        self.show_message("warning", self.tr("Warnings of {name}").format(name=clip.name), list(clip.warnings))
+
+    def _show_job(self, text: str, name: str) -> None:
+        self.status.show_job(text.format(name=name) if name else "")
+
+    # Following the document
+
+    def _follow(self, state: DocumentState) -> None:
+        clip = state.active_clip
+        if clip is not None:
+            self.playhead.set_clip(clip.motion.n_frames, clip.motion.fps)
+        else:
+            self.playhead.playing = False
+            self.playhead.set_clip(1, 30.0)
+        self.stage.show_clip(clip)
+        if clip is not None and clip.key != self._shown_clip:
+            self.viewport.frame_all()
+        self._shown_clip = state.active
+        empty = self._is_furnished and clip is None
+        self.viewport.set_message(self.tr("Drop a BVH, AMC, BAP, X3D or QMD file here") if empty else None)
+        self.status.show_clips(len(state.clips))
+        self.setWindowTitle(f"{clip.name} — QMD Studio" if clip else "QMD Studio")
+        self.verbs["encoder_closed" if state.codec.encoder is Encoder.CLOSED else "encoder_paper"].setChecked(True)
+        self._name_history()
+        self.enable_verbs()
+
+    def _name_history(self) -> None:
+        document = self.document
+        self.verbs["undo"].setText(self.tr("&Undo {what}").format(what=document.undo_text.lower()).rstrip())
+        self.verbs["redo"].setText(self.tr("&Redo {what}").format(what=document.redo_text.lower()).rstrip())
+
+    def enable_verbs(self) -> None:
+        """Enable the verbs that make sense now."""
+        clip = self.document.state.active_clip
+        present = {
+            Needs.CLIP: clip is not None,
+            Needs.FRAMES: clip is not None and clip.motion.n_frames > 1,
+            Needs.SELECTION: clip is not None and self.viewport.scene.selected is not None,
+            Needs.DECODED: self.stage.decoded is not None,
+            Needs.UNDO: self.document.can_undo,
+            Needs.REDO: self.document.can_redo,
+        }
+        self.verbs.enable({need for need, there in present.items() if there})
+
+    def _pick_joint(self, joint: int) -> None:
+        self.outliner.select_joint(joint)
+        self.enable_verbs()
+
+    def _select_joint(self, joint: int) -> None:
+        self.viewport.select_joint(joint)
+        self.enable_verbs()
+
+    def _choose_encoder(self, encoder: Encoder) -> None:
+        from dataclasses import replace
+
+        self.document.execute(SetCodecSettings(replace(self.document.state.codec, encoder=encoder)))
+
+    # The look
+
+    def show_overlay(self, overlay: Overlay) -> None:
+        """Show the original, the decoded motion, or both."""
+        self.stage.overlay = overlay
+        for verb, each in _OVERLAY_VERBS.items():
+            self.verbs[verb].setChecked(each is overlay)
+
+    def _choose_overlay(self, overlay: Overlay) -> None:
+        self.show_overlay(overlay)
+        if self.lab is not None:
+            self.lab.set_view_mode(overlay.value)
+
+    def _choose_theme(self, theme: Theme) -> None:
+        self.settings.theme = theme.value
+        self.themes.choose(theme)
+
+    def _follow_theme(self) -> None:
+        self.verbs[f"theme_{self.themes.theme}"].setChecked(True)
+        self.verbs.refresh_icons()
+        self.timeline.refresh()
+        self.outliner.refresh_icons()
+        self.status.refresh_icons()
+        for button in self.tools.findChildren(QWidget, "ViewFrom"):
+            button.setIcon(icon("view"))
+        self.viewport.set_theme(self.themes.dark)
+
+    def _toggle_full_screen(self) -> None:
+        if self.isFullScreen():
+            self.showNormal()
+        else:
+            self.showFullScreen()
+
+    def reset_layout(self) -> None:
+        """Put every panel back where it was at first."""
+        self.restoreState(self._first_state, LAYOUT_VERSION)
+        arrange(self, self.outliner_dock, self.clip_dock, self.lab_dock)
+
+    def _restore_layout(self) -> None:
+        layout = self.settings.layout()
+        if layout is not None:
+            geometry, state = layout
+            self.restoreGeometry(geometry)
+            self.restoreState(state, LAYOUT_VERSION)
+
+    def layout_state(self) -> tuple[QByteArray, QByteArray]:
+        """Return the window's geometry and the docks' state, as they are remembered."""
+        return self.saveGeometry(), self.saveState(LAYOUT_VERSION)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        self.playhead.playing = False
+        self.settings.set_layout(*self.layout_state())
+        self.settings.sync()
+        self.opener.wait()
+        self.saver.wait()
+        if self.lab is not None:
+            self.lab.close_down()
+        super().closeEvent(event)
