@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import logging
 import signal
-import socket
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 
-from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QFont, QFontDatabase, QGuiApplication, QSurfaceFormat
 from PySide6.QtWidgets import QApplication
 
@@ -24,6 +23,8 @@ from qmd_studio.ui.main_window import MainWindow
 from qmd_studio.ui.settings import ORGANISATION, Settings
 from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.viewport import viewport_format
+
+INTERRUPT_POLL_MS = 300
 
 _log = logging.getLogger(__name__)
 
@@ -128,16 +129,12 @@ def report_faults_in(window: MainWindow) -> FaultReporter:
     return FaultReporter(window)
 
 
-def stop_on_interrupt(app: QApplication, quit_: Callable[[], None] | None = None) -> None:
-    """Make Ctrl+C in the terminal close the windows, without Python having to wake up to look for it."""
-    reader, writer = socket.socketpair()
-    for end in (reader, writer):
-        end.setblocking(False)
-    signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-    signal.signal(signal.SIGINT, lambda *_: (quit_ or app.closeAllWindows)())
-    notifier = QSocketNotifier(reader.fileno(), QSocketNotifier.Type.Read, app)
-    notifier.activated.connect(lambda: reader.recv(64))
-    app.interrupt = (notifier, reader, writer)  # kept as long as the application
+def stop_on_interrupt(app: QApplication) -> None:
+    """Make Ctrl+C in the terminal close the windows; a slow timer lets Python look at its signals while Qt waits."""
+    signal.signal(signal.SIGINT, lambda *_: app.closeAllWindows())
+    timer = QTimer(app)
+    timer.start(INTERRUPT_POLL_MS)
+    timer.timeout.connect(lambda: None)
 
 
 if __name__ == "__main__":
