@@ -5,6 +5,7 @@ The modules are imported when a file is first opened or written, so that asking 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -89,7 +90,7 @@ def format_for(path: Path | str) -> Format:
 @cache
 def formats() -> tuple[Format, ...]:
     """Return all formats in the order in which they are tried; also as the module's `FORMATS`."""
-    return tuple(import_module(name).FORMAT for name in FORMAT_MODULES)
+    return (_qmd(), *(import_module(name).FORMAT for name in FORMAT_MODULES))
 
 
 def __getattr__(name: str) -> Any:
@@ -109,6 +110,23 @@ def recognise(data: bytes, path: Path) -> Format:
         return candidate
     known = ", ".join(f"{candidate.title} ({' '.join(candidate.suffixes)})" for candidate in formats())
     raise FormatError("this is no file that the studio can open", got=suffix or "no suffix", wanted=known)
+
+
+def _qmd() -> Format:
+    """Return the format of .qmd files: it is put together here because codecs and formats do not know each other."""
+    from qmd_studio.codecs.qmd import file
+
+    return Format("qmd", "Quantized Motion Data", (file.SUFFIX,), file.sniff, _read_qmd, file.write)
+
+
+def _read_qmd(data: bytes, options: ReadOptions) -> Loaded:
+    from qmd_studio.codecs.qmd.decode import decode
+
+    skeleton = open_file(options.skeleton).skeleton if options.skeleton else None
+    motion = decode(data, skeleton)
+    if options.fps is not None:
+        motion = replace(motion, fps=options.fps)
+    return Loaded(motion.skeleton, motion)
 
 
 def _with_path(options: ReadOptions, path: Path) -> ReadOptions:

@@ -35,23 +35,23 @@ def decode(data: bytes, skeleton: Skeleton | None = None) -> Motion:
 
 
 def decode_payload(contents: Payload) -> Float32Array:
-    """Return what a payload holds, (n_columns, n_frames) float32 radians and ASF units, column after column.
+    """Return what a payload holds, (n_frames, n_columns) float32 radians and ASF units.
 
     Each value is the one before it plus an exact difference or a table entry, in float32, one after another: the
     encoder counts on exactly this arithmetic. Raises `FormatError` where the sums leave float32's range.
     """
-    steps = np.empty((contents.n_rows + 1, len(contents.pose)), np.float32)
-    steps[0] = contents.pose
-    row = 1
+    from qmd_studio.codecs.qmd.kernels import accumulate  # compiled code, loaded where it is first needed
+
+    decoded = np.empty((contents.n_rows + 1, len(contents.pose)), np.float32)
+    decoded[0] = contents.pose
+    row = 0
     for segment in contents.segments:
-        steps[row : row + segment.n_rows, : segment.fdf] = segment.exact
-        steps[row : row + segment.n_rows, segment.fdf :] = segment.table[segment.indices]
+        rows = decoded[row + 1 : row + 1 + segment.n_rows]
+        accumulate(segment.table, decoded[row], segment.exact, segment.indices, rows)
         row += segment.n_rows
-    with np.errstate(over="ignore", invalid="ignore"):
-        decoded = np.add.accumulate(steps, axis=0)
     if not np.isfinite(decoded[-1]).all():  # a sum that has left the range never comes back
         raise FormatError("the motion leaves the range of float32", hint="The file's table is not that of a motion")
-    return np.ascontiguousarray(decoded.T)
+    return decoded
 
 
 def _block_of(parts: container.Container, contents: Payload, skeleton: Skeleton | None) -> SkeletonBlock:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from qmd_studio.arrays import Float32Array, IntArray
 from qmd_studio.codecs.qmd import container, payload, tables
+from qmd_studio.codecs.qmd.decode import decode_payload
 from qmd_studio.codecs.qmd.payload import Payload, Segment
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.codecs.qmd.size import SizeBreakdown, payload_size
@@ -49,7 +51,7 @@ def encode(motion: Motion, settings: QmdSettings | None = None, *, with_skeleton
         data=container.build(payload.pack(encoded.payload), block, motion.fps, settings),
         size=size_of(motion, settings),
         skeleton_bytes=len(block),
-        decoded=motion.with_values(motion_matrix(encoded.decoded, motion.skeleton)),
+        decoded=motion.with_values(motion_matrix(encoded.decoded.T, motion.skeleton)),
     )
 
 
@@ -61,44 +63,49 @@ def size_of(motion: Motion, settings: QmdSettings) -> SizeBreakdown:
 
 def encode_matrix(matrix: Float32Array, levels: IntArray, settings: QmdSettings) -> EncodedMatrix:
     """Encode (n_frames, n_columns) float32 radians and ASF units; `settings` are checked, `levels` are the columns'."""
-    n_rows, n_columns = len(matrix) - 1, matrix.shape[1]
-    if n_columns == 0:
+    if matrix.shape[1] == 0:
         raise CodecError("the motion has no column to encode", hint="Open a motion whose joints move")
-    decoded = np.empty_like(matrix)
-    decoded[0] = matrix[0]
-    segments = []
-    for start in range(0, max(n_rows, 1), settings.segment or max(n_rows, 1)):
-        stop = min(n_rows, start + settings.segment) if settings.segment else n_rows
-        rows = slice(start, stop + 1)
-        segments.append(_encode_segment(matrix[rows], decoded[rows], levels, settings))
-    return EncodedMatrix(Payload(matrix[0], tuple(segments)), np.ascontiguousarray(decoded.T))
-
-
-def _encode_segment(matrix: Float32Array, decoded: Float32Array, levels: IntArray, settings: QmdSettings) -> Segment:
-    """Encode the rows between the frames of `matrix`; `decoded` has the decoder's first pose, and gets the rest."""
-    fdf, bits = settings.fdf, settings.bits
-    differences = np.diff(matrix, axis=0)
     if settings.encoder is Encoder.PAPER:
-        buckets = tables.equal_frequency_buckets(differences[:, fdf:], bits=bits, rqt=settings.rqt)
-        table = tables.averaged_table(differences[:, fdf:], buckets, levels=levels[fdf:], bits=bits, k=settings.k)
-        steps = np.concatenate([differences[:, :fdf], table[buckets]], axis=1)
-        decoded[1:] = np.add.accumulate(np.concatenate([decoded[:1], steps]), axis=0)[1:]
-        return Segment(bits, table, differences[:, :fdf], payload.as_indices(buckets, bits))
-    table = tables.companded_table(differences[:, fdf:], bits=bits)
-    exact, indices = _closed_loop(matrix, decoded, table, fdf)
-    return Segment(bits, table, exact, payload.as_indices(indices, bits))
+        return _encode_open_loop(matrix, levels, settings)
+    return _encode_closed_loop(matrix, settings)
 
 
-def _closed_loop(
-    matrix: Float32Array, decoded: Float32Array, table: Float32Array, fdf: int
-) -> tuple[Float32Array, IntArray]:
-    middles = (table[1:] + table[:-1]) * np.float32(0.5)
-    exact = np.empty((len(matrix) - 1, fdf), np.float32)
-    indices = np.empty((len(matrix) - 1, matrix.shape[1] - fdf), np.int64)
-    for row in range(len(matrix) - 1):
-        lacking = matrix[row + 1] - decoded[row]
-        exact[row] = lacking[:fdf]
-        indices[row] = np.searchsorted(middles, lacking[fdf:])
-        decoded[row + 1, :fdf] = decoded[row, :fdf] + exact[row]
-        decoded[row + 1, fdf:] = decoded[row, fdf:] + table[indices[row]]
-    return exact, indices
+def _encode_open_loop(matrix: Float32Array, levels: IntArray, settings: QmdSettings) -> EncodedMatrix:
+    """Encode as the paper does: each segment by itself, from the original differences."""
+    fdf, bits = settings.fdf, settings.bits
+    segments = []
+    for rows in _segment_rows(len(matrix) - 1, settings.segment):
+        differences = np.diff(matrix[rows], axis=0)
+        quantised = differences[:, fdf:]
+        buckets = tables.equal_frequency_buckets(quantised, bits=bits, rqt=settings.rqt)
+        table = tables.averaged_table(quantised, buckets, levels=levels[fdf:], bits=bits, k=settings.k)
+        exact = np.ascontiguousarray(differences[:, :fdf])
+        segments.append(Segment(bits, table, exact, payload.as_indices(buckets, bits)))
+    contents = Payload(matrix[0], tuple(segments))
+    return EncodedMatrix(contents, np.ascontiguousarray(decode_payload(contents).T))
+
+
+def _encode_closed_loop(matrix: Float32Array, settings: QmdSettings) -> EncodedMatrix:
+    """Encode each difference from where the decoder stands, its state carried on from segment to segment."""
+    from qmd_studio.codecs.qmd.kernels import closed_loop  # compiled code, loaded where it is first needed
+
+    fdf, bits = settings.fdf, settings.bits
+    n_frames, n_columns = matrix.shape
+    decoded = np.empty((n_columns, n_frames), np.float32)
+    decoded[:, 0] = pose = matrix[0].copy()
+    segments = []
+    for rows in _segment_rows(n_frames - 1, settings.segment):
+        part, n_rows = matrix[rows], rows.stop - rows.start - 1
+        table = tables.companded_table(np.diff(part[:, fdf:], axis=0), bits=bits)
+        exact = np.empty((n_rows, fdf), np.float32)
+        indices = payload.as_indices(np.empty((n_rows, n_columns - fdf), np.int64), bits)
+        closed_loop(part, table, tables.middles(table), pose, exact, indices, decoded[:, rows.start + 1 : rows.stop])
+        segments.append(Segment(bits, table, exact, indices))
+    return EncodedMatrix(Payload(matrix[0], tuple(segments)), decoded)
+
+
+def _segment_rows(n_rows: int, segment: int) -> Iterator[slice]:
+    """Yield the frames that each segment's differences lie between; a segment of 0 rows where there are none."""
+    step = segment or max(n_rows, 1)
+    for start in range(0, max(n_rows, 1), step):
+        yield slice(start, min(start + step, n_rows) + 1)

@@ -15,7 +15,7 @@ from qmd_studio.arrays import BoolArray
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
-from qmd_studio.motion.skeleton_json import skeleton_from_json, skeleton_to_json
+from qmd_studio.motion.skeleton_json import json_text, skeleton_from_json, skeleton_to_json
 
 _PREFIX = struct.Struct("<I")
 """The length of the inflated JSON, before the zlib stream."""
@@ -69,7 +69,7 @@ def _contents(skeleton: Skeleton, name: str) -> dict[str, Any]:
 
 
 def _deflated(values: dict[str, Any]) -> bytes:
-    text = json.dumps(values, ensure_ascii=False, separators=(",", ":")).encode()
+    text = json_text(values).encode()
     return _PREFIX.pack(len(text)) + zlib.compress(text, 9)
 
 

@@ -11,6 +11,8 @@ from qmd_studio.arrays import Float32Array, FloatArray, IntArray
 UNIFORM_SHARE = 0.02
 """The share of levels spread evenly over the whole range, so that rare large steps are not starved of them."""
 
+_WIDEST_HISTOGRAM = 1 << 20
+
 _LARGEST_SHARE = 4
 """The density is estimated over intervals that hold about 1 / (4 * 2^b) of the values each."""
 
@@ -20,12 +22,18 @@ def equal_frequency_buckets(differences: Float32Array, *, bits: int, rqt: int) -
 
     Buckets take equal shares of the values in the order of round(difference * rqt); equal integers share a bucket.
     """
+    if not differences.size:
+        return np.zeros(differences.shape, dtype=np.int64)
     integers = np.rint(differences.astype(np.float64) * rqt)
-    _, inverse, counts = np.unique(integers, return_inverse=True, return_counts=True)
-    below = np.cumsum(counts) - counts
-    middle_twice = 2 * below + counts - 1
-    buckets = np.minimum((middle_twice << bits) // (2 * differences.size), 2**bits - 1)
-    found: IntArray = buckets[inverse].reshape(differences.shape)
+    lowest = integers.min()
+    if integers.max() - lowest < _WIDEST_HISTOGRAM:
+        number = (integers - lowest).astype(np.int64)
+        counts = np.bincount(number.ravel())
+    else:  # a wild column: count only the integers that occur
+        _, number, counts = np.unique(integers, return_inverse=True, return_counts=True)
+    middle_rank_twice = 2 * np.cumsum(counts) - counts - 1
+    buckets = np.minimum((middle_rank_twice << bits) // (2 * differences.size), 2**bits - 1)
+    found: IntArray = buckets[number].reshape(differences.shape)
     return found
 
 
@@ -76,6 +84,16 @@ def companded_table(differences: Float32Array, *, bits: int) -> Float32Array:
     at = np.arange(n_levels) * (heights[-1] / (n_levels - 1))
     levels: FloatArray = np.interp(at, heights, edges)
     return levels.astype(np.float32)
+
+
+def middles(table: Float32Array) -> Float32Array:
+    """Return (2^bits,) the values halfway between an ascending table's neighbours, and infinity after the last.
+
+    The level nearest to a value is the one whose number is the count of middles below it.
+    """
+    halfway = np.full(len(table), np.inf, dtype=np.float32)
+    halfway[:-1] = (table[1:] + table[:-1]) * np.float32(0.5)
+    return halfway
 
 
 def _intervals(ordered: Float32Array, n_levels: int) -> tuple[FloatArray, FloatArray]:

@@ -40,7 +40,6 @@ _LARGEST = 1e30
 
 
 def motion_matrix(decoded: Float32Array, skeleton: Skeleton) -> FloatArray:
-    """Return X (n_frames, n_columns) in radians and metres for `decoded` (n_columns, n_frames) as a file holds it."""
-    X = np.empty(decoded.shape[::-1])
-    np.multiply(decoded.T, column_scales(skeleton), out=X)
-    return X
+    """Return X (n_frames, n_columns) in radians and metres for `decoded`, the same in the units of a file."""
+    X = np.empty(decoded.shape)
+    return np.multiply(decoded, column_scales(skeleton), out=X)
