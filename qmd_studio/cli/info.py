@@ -8,8 +8,7 @@ from pathlib import Path
 from qmd_studio import registry, storage
 from qmd_studio.cli.load import open_any
 from qmd_studio.cli.report import Report, Value, in_bytes
-from qmd_studio.codecs.qmd import container
-from qmd_studio.codecs.qmd.payload import unpack
+from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.formats.loaded import Loaded
 
 
@@ -18,14 +17,14 @@ def run(arguments: Namespace) -> Report:
     path = Path(arguments.file)
     loaded = open_any(arguments.file, skeleton=arguments.skeleton)
     data = storage.read_bytes(path)
-    name, title = _format_of(data, path)
+    recognised = registry.recognise(data, path)
     values, lines = _about_motion(loaded)
-    lines.insert(0, ("format", title))
-    if name == "qmd":
+    lines.insert(0, ("format", recognised.title))
+    if recognised.name == "qmd":
         more_values, more_lines = _about_encoding(data)
         values |= more_values
         lines += more_lines
-    return Report({"format": name, **values}, lines, loaded.warnings, loaded.notes)
+    return Report({"format": recognised.name, **values}, lines, loaded.warnings, loaded.notes)
 
 
 def _about_motion(loaded: Loaded) -> tuple[dict[str, Value], list[tuple[str, str]]]:
@@ -49,28 +48,21 @@ def _about_motion(loaded: Loaded) -> tuple[dict[str, Value], list[tuple[str, str
 
 
 def _about_encoding(data: bytes) -> tuple[dict[str, Value], list[tuple[str, str]]]:
-    parts = container.parse(data)
-    segments = unpack(parts.payload).segments
-    first = segments[0]
+    facts = describe(data)
+    segments = facts["segments"]
     values: dict[str, Value] = {
-        "fdf": first.fdf,
-        "bits": first.bits,
-        "segment": parts.segment,
-        "segments": len(segments),
-        "encoder": parts.encoder,
-        "payload_bytes": len(parts.payload),
-        "bytes": len(data),
+        "fdf": facts["fdf"],
+        "bits": facts["bits"],
+        "segment": facts["segment"] if segments > 1 else 0,  # as `--segment` takes it: 0 is one for all
+        "segments": segments,
+        "encoder": facts["encoder"],
+        "payload_bytes": facts["payload_bytes"],
+        "bytes": facts["bytes"],
     }
-    split = f"{len(segments)} segments of {parts.segment} rows" if len(segments) > 1 else "one segment"
+    split = f"{segments} segments of {facts['segment']} rows" if segments > 1 else "one segment"
     lines = [
-        ("encoding", f"{parts.encoder} encoder, FDF {first.fdf}, {first.bits} bits, {split}"),
-        ("payload", in_bytes(len(parts.payload))),
-        ("file", in_bytes(len(data))),
+        ("encoding", f"{facts['encoder']} encoder, FDF {facts['fdf']}, {facts['bits']} bits, {split}"),
+        ("payload", in_bytes(facts["payload_bytes"])),
+        ("file", in_bytes(facts["bytes"])),
     ]
     return values, lines
-
-
-def _format_of(data: bytes, path: Path) -> tuple[str, str]:
-    """Return name and title of the format that `registry.open_file` takes `data` for."""
-    recognised = registry.recognise(data, path)
-    return recognised.name, recognised.title
