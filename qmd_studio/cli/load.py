@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from qmd_studio import registry
@@ -21,9 +21,10 @@ class OpenedMotion:
 
 
 def open_any(path: str, *, skeleton: str | None = None, fps: float | None = None) -> Loaded:
-    """Open any file. Raises `FormatError` or `StorageError`."""
+    """Open any file; its warnings name it. Raises `FormatError` or `StorageError`."""
     options = ReadOptions(skeleton=Path(skeleton) if skeleton else None, fps=fps)
-    return registry.open_file(Path(path), options)
+    loaded = registry.open_file(Path(path), options)
+    return replace(loaded, warnings=tuple(f"{path}: {warning}" for warning in loaded.warnings))
 
 
 def open_motion(path: str, *, skeleton: str | None = None, fps: float | None = None) -> OpenedMotion:

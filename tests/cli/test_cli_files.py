@@ -1,0 +1,121 @@
+"""`qmd info` and `qmd convert`: what files hold, and the same motion in other formats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import Qmd, corpus
+
+from qmd_studio import registry
+
+INFO_KEYS = {"format", "frames", "fps", "dofs", "joints", "duration_s"}
+
+
+def test_info_of_a_generated_walk(qmd: Qmd, walk: Path) -> None:
+    assert qmd("info", walk, "--json").json == {
+        "format": "amc",
+        "frames": 60,
+        "fps": 120.0,
+        "dofs": 62,
+        "joints": 31,
+        "duration_s": 0.5,
+    }
+
+
+def test_info_for_people_notes_what_was_assumed(qmd: Qmd, walk: Path) -> None:
+    outcome = qmd("info", walk)
+    assert outcome.code == 0
+    assert "60 at 120 fps, 0.50 s" in outcome.out
+    assert "120 fps" in outcome.err
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        (("cmu_asfamc", "02_01.amc"), ("amc", 343, 120, 62, 31)),
+        (("cmu_asfamc", "05_03.amc"), ("amc", 434, 120, 62, 31)),
+        (("other_asfamc", "endorphin_walking.amc"), ("amc", 1741, 120, 87, 34)),
+        (("bvh", "fairmotion_01_01.bvh"), ("bvh", 2752, 120, 96, 31)),
+        (("bvh", "possumwood_49_06.bvh"), ("bvh", 482, 120, 132, 43)),
+    ],
+    ids=lambda value: value[-1] if isinstance(value[0], str) and "." in value[-1] else "",
+)
+def test_info_of_real_motions(qmd: Qmd, parts: tuple[str, ...], expected: tuple[object, ...]) -> None:
+    info = qmd("info", corpus(*parts), "--json").json
+    assert set(info) == INFO_KEYS
+    assert (info["format"], info["frames"], info["dofs"], info["joints"]) == (expected[0], expected[1], *expected[3:])
+    assert info["fps"] == pytest.approx(expected[2])
+    assert info["duration_s"] == pytest.approx(info["frames"] / info["fps"])
+
+
+@pytest.mark.corpus
+def test_incomplete_last_frame_is_a_warning(qmd: Qmd) -> None:
+    outcome = qmd("info", corpus("cmu_asfamc", "07_12.amc"), "--json")
+    assert outcome.code == 0
+    assert outcome.json["frames"] == 244
+    (warning,) = outcome.json["warnings"]
+    assert "7352" in warning
+    assert "61 of 62" in warning
+    assert outcome.err == f"warning: {warning}\n"
+
+
+def test_skeleton_is_taken_from_the_option(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    lonely = tmp_path / "elsewhere"
+    lonely.mkdir()
+    moved = walk.rename(lonely / "dance.amc")
+    assert qmd("info", moved).code == 1
+    assert qmd("info", moved, "--skeleton", tmp_path / "07.asf").code == 0
+
+
+def test_converted_amc_opens_by_itself(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "new"
+    folder.mkdir()
+    outcome = qmd("convert", walk, folder / "copy.amc", "--json")
+    assert outcome.code == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["copy.amc", "copy.asf"]
+    before, after = registry.open_file(walk).motion, registry.open_file(folder / "copy.amc").motion
+    assert before is not None
+    assert after is not None
+    np.testing.assert_allclose(after.X, before.X, atol=1e-9)
+
+
+def test_skeleton_that_is_there_is_not_written_again(qmd: Qmd, walk: Path) -> None:
+    assert qmd("convert", walk, walk.with_name("07_02.amc")).code == 0
+    assert sorted(path.name for path in walk.parent.glob("*.asf")) == ["07.asf"]
+
+
+def test_skeleton_of_another_figure_is_left_alone_with_a_warning(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    other = tmp_path / "07.asf"
+    shrunk = other.read_text().replace("length 0.", "length 1.")
+    folder = tmp_path / "new"
+    folder.mkdir()
+    (folder / "copy.asf").write_text(shrunk)
+    outcome = qmd("convert", walk, folder / "copy.amc", "--json")
+    assert outcome.code == 0
+    assert "another skeleton" in outcome.json["warnings"][0]
+    assert (folder / "copy.asf").read_text() == shrunk
+
+
+def test_frame_rate_is_overridden(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    assert qmd("convert", walk, tmp_path / "slow.npz", "--fps", "60").code == 0
+    assert qmd("info", tmp_path / "slow.npz", "--json").json["fps"] == 60
+
+
+@pytest.mark.corpus
+def test_pair_that_needs_retargeting_is_refused_with_that_reason(qmd: Qmd, tmp_path: Path) -> None:
+    out = tmp_path / "walk.bap"
+    outcome = qmd("convert", corpus("cmu_asfamc", "02_01.amc"), out, "--json")
+    assert outcome.code == 1
+    assert "retarget" in " ".join(str(value) for value in outcome.json.values())
+    assert outcome.json["file"] == str(out)
+    assert not out.exists()
+
+
+def test_unknown_suffix_leaves_nothing_behind(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    outcome = qmd("convert", walk, tmp_path / "walk.mp3", "--json")
+    assert outcome.code == 1
+    assert ".mp3" in outcome.json["got"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["07.asf", "07_01.amc"]
