@@ -45,9 +45,13 @@ class Qmd:
         out, err = self._capsys.readouterr()
         return Outcome(code, out, err)
 
+    def line(self, words: str) -> Outcome:
+        """Call with the words of one line, none of which holds a space."""
+        return self(*words.split())
 
-def corpus(*parts: str) -> Path:
-    path = CORPUS.joinpath(*parts)
+
+def corpus(file: str) -> Path:
+    path = CORPUS / file
     if not path.exists():
         pytest.skip(f"the corpus of real motions is not here: no {path} (QMD_CORPUS names its folder)")
     return path

@@ -44,12 +44,12 @@ def test_size_is_the_papers(qmd: Qmd, name: str, frames: int, fdf: int, bits: in
 
 
 def test_size_for_people_says_bytes_and_kb(qmd: Qmd) -> None:
-    outcome = qmd(*"size --frames 343 --dofs 62 --fdf 6 --bits 8 --segment 0".split())
+    outcome = qmd.line("size --frames 343 --dofs 62 --fdf 6 --bits 8 --segment 0")
     assert outcome.code == 0
     assert "28,725 bytes (28.1 KB)" in outcome.out
 
 
 def test_more_exact_columns_than_columns_is_a_mistake_of_usage(qmd: Qmd) -> None:
-    outcome = qmd(*"size --frames 10 --dofs 5 --fdf 6 --bits 8 --segment 0 --json".split())
+    outcome = qmd.line("size --frames 10 --dofs 5 --fdf 6 --bits 8 --segment 0 --json")
     assert outcome.code == 2
     assert outcome.json["wanted"] == "--fdf 0 to 5"
