@@ -114,7 +114,10 @@ def _add_measure(verbs: Any) -> None:
     parser.add_argument("decoded", metavar="DECODED")
     _add_skeleton(parser)
     parser.add_argument(
-        "--align", choices=("none", "first"), default="none", help="first: take both from one first pose"
+        "--align",
+        choices=("none", "first"),
+        default="none",
+        help="first: move DECODED so that both roots start at one place",
     )
     parser.add_argument("--csv", metavar="FILE", help="write the distance of every joint in every frame, in mm")
 

@@ -14,6 +14,7 @@ from generated_motion import walker
 from qmd_studio import registry
 from qmd_studio.cli.main import main
 from qmd_studio.formats.asf_write import write_asf
+from qmd_studio.motion.motion import Motion
 
 ROOT = Path(__file__).resolve().parents[2]
 CORPUS = Path(os.environ.get("QMD_CORPUS", ROOT.parent / "shared" / "corpus"))
@@ -61,6 +62,10 @@ def write_walk(folder: Path, *, n_frames: int = 60) -> Path:
     """Write a generated walk as `07_01.amc` with its `07.asf` beside it, and return the path of the motion."""
     motion = walker(n_frames)
     (folder / "07.asf").write_bytes(write_asf(motion.skeleton))
-    path = folder / "07_01.amc"
-    path.write_bytes(registry.encode_motion(".amc", motion))
+    return write_motion(folder / "07_01.amc", motion)
+
+
+def write_motion(path: Path, motion: Motion) -> Path:
+    """Write one file in the format of its suffix, nothing beside it, and return its path."""
+    path.write_bytes(registry.encode_motion(path.suffix, motion))
     return path
