@@ -1,0 +1,106 @@
+"""What the sliders are told is true of the bytes that Export writes."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from qmd_studio.codecs.qmd.decode import decode
+from qmd_studio.codecs.qmd.file import describe
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import CodecError
+from qmd_studio.motion.bap import bap_skeleton
+from qmd_studio.motion.metrics import measure
+from qmd_studio.motion.motion import Motion
+from qmd_studio.registry import open_file
+from qmd_studio.tuning.session import TuningSession
+from tests.corpus import corpus_file
+from tests.generated_motion import walker
+
+FIGURES = ("def_", "mean_mm", "p99_mm", "max_mm", "velocity_mm_s", "acceleration_mm_s2")
+SETTINGS = [
+    QmdSettings(),
+    QmdSettings(encoder=Encoder.PAPER),
+    QmdSettings(fdf=0, bits=9, segment=40),
+    QmdSettings(fdf=26, bits=10, segment=30, encoder=Encoder.PAPER, k=1.0),
+]
+
+
+def assert_true_of_its_bytes(motion, report):
+    decoded = decode(report.data)
+    assert np.array_equal(decoded.X, report.decoded.X)
+    assert len(report.data) == report.file_bytes
+    truth = measure(motion, decoded)
+    for name in FIGURES:
+        assert getattr(report.error, name) == pytest.approx(getattr(truth, name), rel=0.01, abs=0.002), name
+    assert report.error.distance_mm.shape == (motion.n_frames, len(motion.skeleton.points))
+    np.testing.assert_allclose(report.error.distance_mm, truth.distance_mm, atol=0.005)
+    worst = truth.distance_mm[report.error.worst_frame, motion.skeleton.point_names.index(report.error.worst_joint)]
+    assert worst == pytest.approx(truth.max_mm, abs=0.005)
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=str)
+def test_evaluate_reports_the_error_of_decoding_its_own_bytes(settings):
+    motion = walker(150)
+    assert_true_of_its_bytes(motion, TuningSession(motion).evaluate(settings))
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("settings", SETTINGS, ids=str)
+def test_evaluate_of_a_real_motion_reports_the_error_of_its_bytes(settings):
+    motion = open_file(corpus_file("cmu_asfamc/49_08.amc")).motion
+    assert_true_of_its_bytes(motion, TuningSession(motion).evaluate(settings))
+
+
+def test_evaluate_of_body_animation_parameters_keeps_their_mask():
+    skeleton = bap_skeleton()
+    X = np.cumsum(np.random.default_rng(3).normal(0, 0.01, (40, skeleton.n_columns)), axis=0)
+    motion = Motion(skeleton, X, 25.0, "wave", np.ones(X.shape, dtype=bool))
+    report = TuningSession(motion).evaluate(QmdSettings())
+    assert_true_of_its_bytes(motion, report)
+    assert decode(report.data).mask.all()
+
+
+def test_evaluate_of_one_frame_has_no_velocity():
+    motion = walker(1)
+    report = TuningSession(motion).evaluate(QmdSettings())
+    assert_true_of_its_bytes(motion, report)
+    assert report.error.velocity_mm_s == 0.0
+
+
+def test_evaluate_leaves_earlier_reports_as_they_were():
+    session = TuningSession(walker(80))
+    first = session.evaluate(QmdSettings())
+    mean, distance = first.error.mean_mm, first.error.distance_mm.copy()
+    session.evaluate(QmdSettings(fdf=0, encoder=Encoder.PAPER))
+    assert first.error.mean_mm == mean
+    assert np.array_equal(first.error.distance_mm, distance)
+    assert describe(first.data)["fdf"] == 6
+    assert np.array_equal(decode(first.data).X, first.decoded.X)
+
+
+def test_evaluate_on_a_worker_thread_can_be_exported_on_another():
+    motion = walker(80)
+    session = TuningSession(motion)
+    with ThreadPoolExecutor(1) as worker:
+        report = worker.submit(session.evaluate, QmdSettings(bits=9)).result()
+    assert_true_of_its_bytes(motion, report)
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=str)
+def test_size_is_known_before_anything_is_encoded(settings):
+    session = TuningSession(walker(150))
+    told, told_whole = session.size(settings), session.file_bytes(settings)
+    data = session.evaluate(settings).data
+    assert told.bytes == describe(data)["payload_bytes"]
+    assert told_whole == len(data) == told.bytes + 64 + session.skeleton_bytes
+
+
+def test_size_of_a_segment_longer_than_the_motion_is_that_of_one_segment():
+    session = TuningSession(walker(50))
+    assert session.size(QmdSettings(segment=5000)) == session.size(QmdSettings(segment=0))
+
+
+def test_size_with_settings_out_of_range_is_refused():
+    with pytest.raises(CodecError, match="FDF"):
+        TuningSession(walker(50)).size(QmdSettings(fdf=63))
