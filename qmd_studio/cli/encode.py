@@ -1,0 +1,57 @@
+"""`qmd encode`: a motion as QMD, with the error that the file's reader will see."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+
+from qmd_studio import storage
+from qmd_studio.cli.load import open_motion
+from qmd_studio.cli.measure import error_lines
+from qmd_studio.cli.parser import UsageError
+from qmd_studio.cli.report import Report, in_bytes
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.tuning.session import TuningSession
+
+_ERROR_KEYS = ("def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame")
+
+
+def run(arguments: Namespace) -> Report:
+    """Encode IN into OUT.qmd and report size and error of those very bytes. Raises `FormatError`, `CodecError`."""
+    if Path(arguments.output).suffix.lower() != ".qmd":
+        raise UsageError("encode writes QMD only", wanted="a name that ends in .qmd", got=arguments.output)
+    opened = open_motion(arguments.input, skeleton=arguments.skeleton)
+    frames, dofs = opened.motion.X.shape
+    outcome = TuningSession(opened.motion).evaluate(_settings(arguments, dofs))
+    storage.write_atomic(arguments.output, outcome.data)
+    values = {
+        "bytes": outcome.file_bytes,
+        "payload_bytes": outcome.size.bytes,
+        "frames": frames,
+        "dofs": dofs,
+        **{key: value for key, value in outcome.error.as_json().items() if key in _ERROR_KEYS},
+        "seconds": round(outcome.seconds, 6),
+    }
+    raw_bytes = frames * dofs * 4
+    lines = [
+        ("written", arguments.output),
+        ("motion", f"{frames:,} frames × {dofs} degrees of freedom"),
+        ("payload", f"{in_bytes(outcome.size.bytes)}, {outcome.size.bytes / raw_bytes:.1%} of the raw numbers"),
+        ("file", in_bytes(outcome.file_bytes)),
+        *error_lines(outcome.error),
+        ("took", f"{outcome.seconds:.2f} s"),
+    ]
+    return Report(values, lines, opened.warnings, opened.notes)
+
+
+def _settings(arguments: Namespace, n_columns: int) -> QmdSettings:
+    """Return the settings asked for; the default FDF, unlike a wish, gives way where there are fewer columns."""
+    settings = QmdSettings(
+        bits=arguments.bits,
+        segment=arguments.segment,
+        encoder=Encoder(arguments.encoder),
+        k=arguments.k,
+        rqt=arguments.rqt,
+    )
+    return settings.fitted(n_columns) if arguments.fdf is None else replace(settings, fdf=arguments.fdf)
