@@ -25,6 +25,8 @@ FORMAT_MODULES: tuple[str, ...] = (
     "qmd_studio.formats.asf_amc",
     "qmd_studio.formats.asf",
     "qmd_studio.formats.bap_text",
+    "qmd_studio.formats.csv_text",
+    "qmd_studio.formats.npz",
 )
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
 
