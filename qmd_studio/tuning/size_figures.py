@@ -1,0 +1,63 @@
+"""What an encoding costs, in the figures a person compares: bytes, share of the raw motion, bits a second."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from qmd_studio.codecs.qmd.container import HEADER
+from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.codecs.qmd.size import SizeBreakdown, n_segments, payload_size
+from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
+from qmd_studio.motion.motion import Motion
+
+_FLOAT_BYTES = 4
+
+
+@dataclass(frozen=True, slots=True)
+class SizeFigures:
+    """The size of an encoding, known before anything is encoded.
+
+    `payload` is the paper's file; `frame_bytes` stand before it (magic, checksum, provenance), `skeleton_bytes` after
+    it. `raw_bytes` is the motion matrix as float32, the paper's "original". `n_segments` is the paper's L.
+    """
+
+    payload: SizeBreakdown
+    frame_bytes: int
+    skeleton_bytes: int
+    raw_bytes: int
+    duration_s: float
+    n_segments: int
+
+    @property
+    def file_bytes(self) -> int:
+        """The bytes of the whole file that is written."""
+        return self.payload.bytes + self.frame_bytes + self.skeleton_bytes
+
+    @property
+    def percent_of_raw(self) -> float:
+        """The payload in per cent of the raw matrix; above 100 where it is larger."""
+        return 100.0 * self.payload.bytes / self.raw_bytes if self.raw_bytes else 0.0
+
+    @property
+    def kbit_s(self) -> float:
+        """The mean rate of the payload played at the clip's frame rate, in 1000 bits a second."""
+        return self.payload.bytes * 8 / 1000 / self.duration_s
+
+
+def size_figures(motion: Motion, settings: QmdSettings) -> SizeFigures:
+    """Return the figures of `settings` (checked for this motion) from the closed form."""
+    n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns
+    return SizeFigures(
+        payload=payload_size(n_rows, n_columns, settings.fdf, settings.bits, settings.segment),
+        frame_bytes=HEADER.size,
+        skeleton_bytes=_skeleton_bytes(motion),
+        raw_bytes=motion.n_frames * n_columns * _FLOAT_BYTES,
+        duration_s=motion.duration_s,
+        n_segments=n_segments(n_rows, settings.segment),
+    )
+
+
+@lru_cache(maxsize=8)
+def _skeleton_bytes(motion: Motion) -> int:
+    return len(pack_skeleton_block(motion))  # the same for all settings: a slider must not pay for it on every tick

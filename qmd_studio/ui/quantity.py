@@ -1,0 +1,50 @@
+"""Quantities in words: the same digits everywhere, few enough to read at a glance."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QFont
+
+KB = 1024
+"""A kilobyte of the studio, as in the paper's tables."""
+
+
+def kilobytes(n_bytes: int) -> str:
+    """Return bytes in KB of 1024: "28.0 KB"; in MB from 1024 KB on."""
+    kb = n_bytes / KB
+    return f"{kb:.1f} KB" if kb < KB else f"{kb / KB:.2f} MB"
+
+
+def exact_bytes(n_bytes: int) -> str:
+    """Return bytes one by one, thousands apart: "28,645 bytes"."""
+    return f"{n_bytes:,} bytes"
+
+
+def millimetres(value_mm: float) -> str:
+    """Return a length with three digits that count, "0.112 mm", "41.3 mm"; metres from a metre on."""
+    if value_mm >= 1000.0:
+        return f"{significant(value_mm / 1000.0)} m"
+    return f"{significant(value_mm)} mm"
+
+
+def significant(value: float) -> str:
+    """Return a value with three digits that count and no exponent; below 0.0001 it is "0" or "< 0.0001"."""
+    if value == 0.0:
+        return "0"
+    if abs(value) < 1e-4:
+        return "< 0.0001"
+    places = 0 if abs(value) >= 100 else 1 if abs(value) >= 10 else 2 if abs(value) >= 1 else 3
+    return f"{value:.{places if abs(value) >= 0.1 else 4}f}"
+
+
+def tabular(font: QFont, *, scale: float = 1.0, bold: bool = False) -> QFont:
+    """Return `font` with figures of one width, so that numbers do not dance, and `scale` times its size."""
+    result = QFont(font)
+    if font.pointSizeF() > 0:
+        result.setPointSizeF(font.pointSizeF() * scale)
+    else:
+        result.setPixelSize(round(font.pixelSize() * scale))
+    if hasattr(QFont, "Tag"):
+        result.setFeature(QFont.Tag("tnum"), 1)
+    if bold:
+        result.setWeight(QFont.Weight.DemiBold)
+    return result
