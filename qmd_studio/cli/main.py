@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -12,21 +13,25 @@ from qmd_studio.errors import QmdStudioError
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb and return the exit code: 0, 1 where the input is at fault, 2 where the command line is."""
     words = list(sys.argv[1:] if argv is None else argv)
-    as_json = "--json" in words
+    _print_any_character()
     try:
-        code = _run(words, as_json=as_json)
+        code = _run(words, as_json="--json" in words)
         sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read our output has seen enough. Python would complain once more when it closes stdout at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_output()  # whoever read it has seen enough
         return 0
+    except OSError as problem:
+        _forget_output()
+        print(f"qmd: the output could not be written: {problem.strerror}", file=sys.stderr)
+        return EXIT_INPUT
     except KeyboardInterrupt:
-        return 130
+        return EXIT_INTERRUPTED
     return code
 
 
@@ -43,6 +48,18 @@ def _run(words: list[str], *, as_json: bool) -> int:
         print_error(error, as_json=as_json)
         return EXIT_INPUT
     return 0
+
+
+def _print_any_character() -> None:
+    """Let a terminal that lacks a character show its code instead of ending the program."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _forget_output() -> None:
+    """Drop what could not be written, or Python would complain of it once more when it closes stdout at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ def print_report(report: Report, *, as_json: bool) -> None:
         print(f"warning: {warning}", file=sys.stderr)
     if as_json:
         extra = {"warnings": list(report.warnings)} if report.warnings else {}
-        print(json.dumps({**report.values, **extra}, allow_nan=False, ensure_ascii=False))
+        print(json.dumps({**report.values, **extra}, allow_nan=False))
         return
     for note in report.notes:
         print(f"note: {note}", file=sys.stderr)
@@ -44,7 +44,7 @@ def print_report(report: Report, *, as_json: bool) -> None:
 def print_error(error: QmdStudioError, *, as_json: bool) -> None:
     """Print the error: one message to stderr, or one object to stdout with `as_json`."""
     if as_json:
-        print(json.dumps(error.as_json(), ensure_ascii=False))
+        print(json.dumps(error.as_json()))
     else:
         print(f"qmd: {error}", file=sys.stderr)
 

@@ -90,6 +90,31 @@ def test_reader_that_goes_away_is_no_error() -> None:
     assert errors == b""
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_full_disk_behind_the_output_is_told() -> None:
+    command = [sys.executable, "-m", "qmd_studio.cli", *f"{SIZE} --bits 8".split()]
+    with open("/dev/full", "w") as full:
+        run = subprocess.run(command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert run.returncode == 1
+    assert run.stderr == "qmd: the output could not be written: No space left on device\n"
+
+
+@pytest.mark.parametrize("json", [[], ["--json"]])
+def test_name_that_is_no_text_is_shown_all_the_same(json: list[str]) -> None:
+    command = [
+        sys.executable.encode(),
+        b"-m",
+        b"qmd_studio.cli",
+        b"info",
+        b"\xff.bvh",
+        *(word.encode() for word in json),
+    ]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, env={"PYTHONIOENCODING": "ascii"})
+    assert run.returncode == 1
+    assert b"Traceback" not in run.stderr
+    assert b"dcff" in (run.stdout if json else run.stderr)
+
+
 def test_module_runs_as_a_program() -> None:
     command = [sys.executable, "-m", "qmd_studio.cli.main", *f"{SIZE} --bits 8 --json".split()]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
