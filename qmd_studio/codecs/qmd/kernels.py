@@ -16,7 +16,7 @@ _BLOCK = 64
 """Rows that are turned into columns at a time: few enough to stay in the nearest cache."""
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def closed_loop(
     matrix: Float32Array,
     table: Float32Array,
@@ -65,7 +65,7 @@ def closed_loop(
                     decoded[j, row - at + back] = block[back, j]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def accumulate(
     table: Float32Array, pose: Float32Array, exact: Float32Array, indices: IndexArray, decoded: Float32Array
 ) -> None:
