@@ -32,8 +32,8 @@ def error_lines(error: MotionError) -> list[tuple[str, str]]:
         ("mean", in_mm(error.mean_mm)),
         ("99 % within", in_mm(error.p99_mm)),
         ("worst", f"{in_mm(error.max_mm)}, {error.worst_joint}, frame {error.worst_frame}"),
-        ("velocity", f"{error.velocity_mm_s:.3g} mm/s"),
-        ("acceleration", f"{error.acceleration_mm_s2:.3g} mm/s²"),
+        ("velocity", f"{error.velocity_mm_s:,.1f} mm/s"),
+        ("acceleration", f"{error.acceleration_mm_s2:,.0f} mm/s²"),
     ]
 
 
