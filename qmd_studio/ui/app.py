@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +27,8 @@ from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.viewport import viewport_format
 
 INTERRUPT_POLL_MS = 300
+TIME_FIRST_PAINT = "QMD_STUDIO_TIME_FIRST_PAINT"
+"""Where this variable is set, the studio says when its first picture was on the screen, and quits: for benchmarks."""
 
 _log = logging.getLogger(__name__)
 
@@ -38,6 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     window = MainWindow(settings, ThemeSwitch(app, Theme(settings.theme)))
     faults = report_faults_in(window)
     stop_on_interrupt(app)
+    if os.environ.get(TIME_FIRST_PAINT):
+        quit_at_first_paint(app, window)
     if options.tour is not None:
         from qmd_studio.ui.tour import Tour
 
@@ -55,6 +61,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     status = app.exec()
     faults.stop()
     return status
+
+
+def quit_at_first_paint(app: QApplication, window: MainWindow) -> None:
+    """Print the milliseconds from here to the viewport's first picture on the screen, then end the application."""
+    start = time.perf_counter()
+
+    def tell() -> None:
+        print(f"first paint: {1000 * (time.perf_counter() - start):.0f} ms", flush=True)
+        app.exit()
+
+    window.viewport.frameSwapped.connect(tell, Qt.ConnectionType.SingleShotConnection)
 
 
 def parser() -> argparse.ArgumentParser:
