@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_hands import add_hand
 from qmd_studio.avatar.bone_body_limbs import add_arm, add_leg
 from qmd_studio.avatar.bone_body_paint import ACCENT, EXTRA, SKIN
@@ -11,18 +12,17 @@ from qmd_studio.avatar.bone_body_plan import BodyPlan, plan_body
 from qmd_studio.avatar.bone_body_shapes import ShapeList, capsule, ellipsoid
 from qmd_studio.avatar.bone_body_trunk import add_neck_and_head, add_trunk
 from qmd_studio.avatar.humanoid import Body
-from qmd_studio.motion.kinematics import rest_values, world_from_joint
 from qmd_studio.motion.skeleton import Skeleton
 
 MAX_FACES = 25_000
 
 
 def bone_body(skeleton: Skeleton) -> Body:
-    """Return a mannequin for `skeleton`, bound at its rest pose, of at most `MAX_FACES` triangles for usual skeletons.
+    """Return a mannequin for `skeleton`, bound at its rest pose, or near it at one that can stand.
 
     A figure gets pelvis, waist, ribcage, neck, head, limbs, feet and hands, as far as their joints are found by name or
     by the shape of the tree; every bone that is none of these becomes a capsule. Lengths follow the bones, thickness
-    the stature.
+    the stature. At most `MAX_FACES` triangles but for skeletons of hundreds of joints.
     """
     plan = plan_body(skeleton)
     shapes = ShapeList()
@@ -35,8 +35,7 @@ def bone_body(skeleton: Skeleton) -> Body:
             add_arm(shapes, plan, arm)
             add_hand(shapes, plan, arm)
     _add_rest(shapes, plan, human=bool(shapes.parts))
-    bind = world_from_joint(skeleton, rest_values(skeleton)[None])[0]
-    return Body(skeleton.name, skeleton, shapes.surface(), bind)
+    return Body(skeleton.name, skeleton, shapes.surface(), plan.bind)
 
 
 def _add_rest(shapes: ShapeList, plan: BodyPlan, *, human: bool) -> None:
@@ -51,17 +50,26 @@ def _add_rest(shapes: ShapeList, plan: BodyPlan, *, human: bool) -> None:
         if np.linalg.norm(plan.nodes[child] - plan.nodes[joint]) > 1e-5 * plan.unit
     ]
     room = MAX_FACES - shapes.n_faces
-    fine = len(bones) * 400 < room
+    fine = len(bones) * (210 if human else 450) < room
     thickest = (0.016 if human else 0.05) * plan.unit
     for joint, child in bones:
         start, end = plan.nodes[joint], plan.nodes[child]
         if joint in hidden:
-            end = start + 0.25 * (end - start)
-        length = float(np.linalg.norm(end - start))
-        radius = min(0.16 * length, thickest)
-        resolution = (9, 14) if fine else (6, 6)
+            middle = _inside_head(plan, (start + end) / 2)
+            shapes.add(ellipsoid(middle, np.eye(3) * 0.01 * plan.unit, (2, 4)), EXTRA, joint)
+            continue
+        radius = min(0.16 * float(np.linalg.norm(end - start)), thickest)
+        resolution = (9, 14) if fine else (6, 5)
         shapes.add(capsule(start, end, (radius, 0.75 * radius), resolution), EXTRA if human else SKIN, joint)
         if not human and fine:
             shapes.add(ellipsoid(start, np.eye(3) * 1.25 * radius, (8, 12)), ACCENT, joint)
     if not shapes.parts:
         shapes.add(ellipsoid(plan.nodes[0], np.eye(3) * 0.05 * max(plan.unit, 0.02), (10, 16)), ACCENT, 0)
+
+
+def _inside_head(plan: BodyPlan, place: FloatArray) -> FloatArray:
+    """Draw a place of the face (eye, jaw, tongue) into the skull, where its bone is held but not seen."""
+    assert plan.head is not None
+    middle = plan.nodes[plan.head] + 0.03 * plan.unit * plan.up
+    away = place - middle
+    return np.asarray(middle + away * min(0.3, 0.03 * plan.unit / max(float(np.linalg.norm(away)), 1e-9)))

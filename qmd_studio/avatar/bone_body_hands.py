@@ -1,4 +1,4 @@
-"""Hands of a body made from bones: palm and fingers where the skeleton has them, a closed hand with a thumb otherwise."""
+"""Hands of a body made from bones: palm and fingers where the skeleton has them, else a closed hand with a thumb."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft
+from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import SKIN
-from qmd_studio.avatar.bone_body_plan import BodyPlan, Limb
+from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import ShapeList, along_joints, capsule
 
 _PALM: Profile = (
@@ -61,9 +62,7 @@ def _knuckle(plan: BodyPlan, arm: Limb, chain: list[int]) -> int:
     return after[0] if after else chain[max(len(chain) - 2, 0)]
 
 
-def _open_hand(
-    shapes: ShapeList, plan: BodyPlan, arm: Limb, fingers: list[list[int]]
-) -> tuple[FloatArray, FloatArray]:
+def _open_hand(shapes: ShapeList, plan: BodyPlan, arm: Limb, fingers: list[list[int]]) -> tuple[FloatArray, FloatArray]:
     wrist, unit = plan.nodes[arm.end], plan.unit
     knuckles = [_knuckle(plan, arm, chain) for chain in fingers]
     middle = plan.nodes[knuckles].mean(axis=0)
@@ -103,7 +102,9 @@ def _closed_hand(
     for place, share, radius in _FINGERS:
         root = wrist + 0.47 * length * direction + place * 0.036 * unit * thumbward
         tip = wrist + (_KNUCKLES + (1 - _KNUCKLES) * share) * length * direction + place * 0.029 * unit * thumbward
-        parts.append(capsule(root, tip - radius * unit * direction, (1.04 * radius * unit, 0.86 * radius * unit), (6, 8)))
+        parts.append(
+            capsule(root, tip - radius * unit * direction, (1.04 * radius * unit, 0.86 * radius * unit), (6, 8))
+        )
     for shape in parts:
         place_along = (shape.vertices - wrist) @ direction
         shapes.add(shape, SKIN, along_joints(place_along, joints, starts, 0.012 * unit))
@@ -140,13 +141,19 @@ def _add_chain(shapes: ShapeList, plan: BodyPlan, chain: list[int], start: tuple
 
 
 def _main_chain(plan: BodyPlan, arm: Limb, chains: list[list[int]]) -> list[int]:
-    below = [n for n in plan.below(arm.end) if not plan.is_thumb(n)]
+    wrist, heading = plan.nodes[arm.end], _heading(plan, arm)
+    below = [  # what lies back towards the elbow is no finger
+        n
+        for n in plan.below(arm.end)
+        if not plan.is_thumb(n)
+        and float((plan.nodes[n] - wrist) @ heading) > 0.5 * float(np.linalg.norm(plan.nodes[n] - wrist))
+    ]
     if chains:
         return max(chains, key=lambda c: _length(plan, c))
     if not below:
         return []
-    tip = max(below, key=lambda n: float(np.linalg.norm(plan.nodes[n] - plan.nodes[arm.end])))
-    return list(plan.chain(arm.end, tip))[1:] if np.linalg.norm(plan.nodes[tip] - plan.nodes[arm.end]) > 1e-4 else []
+    tip = max(below, key=lambda n: float(np.linalg.norm(plan.nodes[n] - wrist)))
+    return list(plan.chain(arm.end, tip))[1:]
 
 
 def _heading(plan: BodyPlan, arm: Limb) -> FloatArray:

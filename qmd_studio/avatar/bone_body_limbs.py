@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft, smooth_table, superellipse
+from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import ACCENT, SKIN
-from qmd_studio.avatar.bone_body_plan import BodyPlan, Limb
+from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import ShapeList, along_joints, capsule, ellipsoid, tube
 
 _THIGH: Profile = (
@@ -28,7 +31,7 @@ _SHANK: Profile = (
     (0.945, 0.032, 0.035, 0.000),
 )
 _UPPER_ARM: Profile = (
-    (-0.175, 0.040, 0.042, 0.000),
+    (-0.155, 0.040, 0.042, 0.000),
     (-0.03, 0.0555, 0.0565, 0.000),
     (0.15, 0.0535, 0.056, 0.000),
     (0.45, 0.046, 0.050, 0.003),
@@ -104,7 +107,7 @@ def _add_balls(shapes: ShapeList, plan: BodyPlan, limb: Limb, radii: tuple[float
 def _add_girdle(shapes: ShapeList, plan: BodyPlan, limb: Limb, radius: float) -> None:
     """Fill from the trunk to the ball: what a collar bone or a hip bone carries."""
     path = [*limb.girdle, limb.upper[0]]
-    for joint, following in zip(path, path[1:], strict=False):
+    for joint, following in pairwise(path):
         start, end = plan.nodes[joint], plan.nodes[following]
         if np.linalg.norm(end - start) > 1e-4 * plan.unit:
             width = min(radius * plan.unit, 0.9 * float(np.linalg.norm(end - start)))

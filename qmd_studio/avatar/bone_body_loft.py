@@ -70,7 +70,7 @@ def superellipse(n: int, square: float) -> FloatArray:
 
 
 def smooth_table(table: FloatArray, places: FloatArray) -> FloatArray:
-    """Return rows of `table` (its first column rising) at `places`, smoothly between: a cubic that does not overshoot."""
+    """Return rows of `table` (its first column rising) at `places`: a smooth cubic that does not overshoot."""
     x, y = table[:, 0], table[:, 1:]
     slope = np.diff(y, axis=0) / np.maximum(np.diff(x), 1e-12)[:, None]
     tangent = np.zeros_like(y)

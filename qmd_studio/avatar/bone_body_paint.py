@@ -1,4 +1,4 @@
-"""The colours of a body made from bones, linear: a pale warm skin, slate joints, dark eyes. Left and right are alike."""
+"""The colours of a body made from bones, linear: pale warm skin, slate joints, dark eyes. Left and right are alike."""
 
 import numpy as np
 

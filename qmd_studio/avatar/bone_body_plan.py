@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
-from qmd_studio.motion.kinematics import node_positions, rest_values
+from qmd_studio.avatar.bone_body_names import Limb, plain_names
+from qmd_studio.avatar.bone_body_stance import straighten_feet, straighten_trunk
+from qmd_studio.motion.kinematics import node_positions, rest_values, world_from_joint
 from qmd_studio.motion.skeleton import Skeleton
 
 REFERENCE_STATURE_M = 1.75
@@ -22,27 +24,18 @@ _LEG_GIRDLE = re.compile(r"hipjoint|buttock|pelvis|hip$|dum|^_")
 _THUMB = re.compile(r"thumb|carpometacarpal_?1|pollex|^finger1|thb")
 
 
-@dataclass(frozen=True, slots=True)
-class Limb:
-    """An arm or a leg: joints of the girdle, the upper and the lower part, and the hand or foot. `side` is +1 left."""
-
-    side: int
-    girdle: tuple[int, ...]
-    upper: tuple[int, ...]
-    lower: tuple[int, ...]
-    end: int
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyPlan:
-    """A skeleton at rest and what its joints are.
+    """A skeleton as its body is bound, and what its joints are.
 
-    `nodes` (n_nodes, 3) metres; `parents` of all nodes; `children` of each joint (nodes). `up`, `left` and `forward`
-    are unit vectors of the figure. `unit` is its stature over 1.75 m. `spine` runs from the pelvis to below the head.
+    `nodes` (n_nodes, 3) metres and `bind` (n_joints, 4, 4): the rest pose, straightened where no one could stand so.
+    `parents` of all nodes; `children` of each joint (nodes). `up`, `left` and `forward` are unit vectors of the figure,
+    `unit` is its stature over 1.75 m. `spine` runs from the pelvis to below the head.
     """
 
     skeleton: Skeleton
     nodes: FloatArray
+    bind: FloatArray
     parents: tuple[int, ...]
     children: tuple[tuple[int, ...], ...]
     up: FloatArray
@@ -80,7 +73,8 @@ class BodyPlan:
 
 def plan_body(skeleton: Skeleton) -> BodyPlan:
     """Return what the joints of `skeleton` are. Whatever is not found is left out; nothing is refused."""
-    nodes = node_positions(skeleton, rest_values(skeleton)[None])[0]
+    rest = rest_values(skeleton)[None]
+    nodes = node_positions(skeleton, rest)[0]
     parents = tuple(j.parent for j in skeleton.joints) + tuple(s.joint for s in skeleton.end_sites)
     children: list[list[int]] = [[] for _ in skeleton.joints]
     for node, parent in enumerate(parents):
@@ -102,13 +96,18 @@ def plan_body(skeleton: Skeleton) -> BodyPlan:
     legs = tuple(_limb(names, _after_fork(paths[f], stem), side, arm=False) for f, side in feet.items())
     arms, legs = tuple(a for a in arms if a.upper), tuple(a for a in legs if a.upper)
     spine = tuple(j for j in trunk if j != head and j not in _common_but_last(trunk, pelvis))
+    bind = world_from_joint(skeleton, rest)[0]
+    children_of = tuple(tuple(c) for c in children)
+    straighten_trunk(nodes, bind, children_of, (pelvis, spine, head), legs)
     up, left = _axes(nodes, head, arms, legs)
+    straighten_feet(nodes, bind, children_of, legs, (up, np.cross(left, up)))
     unit = _stature(nodes, head, arms, legs) / REFERENCE_STATURE_M
     return BodyPlan(
         skeleton=skeleton,
         nodes=nodes,
         parents=parents,
-        children=tuple(tuple(c) for c in children),
+        children=children_of,
+        bind=bind,
         up=up,
         left=left,
         forward=np.cross(left, up),
@@ -119,33 +118,6 @@ def plan_body(skeleton: Skeleton) -> BodyPlan:
         arms=arms,
         legs=legs,
     )
-
-
-def plain_names(skeleton: Skeleton) -> list[tuple[str, int]]:
-    """Return each joint's name in lower case without prefix and side, and its side: +1 left, -1 right, 0 neither."""
-    return [_plain(joint.name) for joint in skeleton.joints]
-
-
-def _plain(name: str) -> tuple[str, int]:
-    name = re.sub(r"^.*:", "", name)
-    name = re.sub(r"^(Character\d*|Bip\d*|Bip\d+|Armature|rig)[_ ]+", "", name)
-    for pattern, keep in (
-        (r"^(?P<s>[lr])[_. ](?P<rest>.+)$", "rest"),
-        (r"^(?P<s>left|right)[_. ]?(?P<rest>.*)$", "rest"),
-        (r"^(?P<rest>.+?)[_. ]?(?P<s>left|right)$", "rest"),
-        (r"^(?P<rest>.+)[_. ](?P<s>[lr])$", "rest"),
-    ):
-        found = re.match(pattern, name, re.IGNORECASE)
-        if found:
-            return found[keep].lower().lstrip("_"), 1 if found["s"].lower().startswith("l") else -1
-    found = re.match(r"^(?P<s>[lLrR])(?P<rest>[A-Z].*)$", name) or re.match(
-        r"^(?P<s>[lr])(?P<rest>hip|femur|tibia|foot|toe|clavicle|humerus|radius|wrist|hand|finger|thumb|shoulder|arm|leg|ankle|elbow|knee).*$",
-        name,
-        re.IGNORECASE,
-    )
-    if found:
-        return name[1:].lower(), 1 if found["s"] in "lL" else -1
-    return name.lower().lstrip("_"), 0
 
 
 def _first(names: list[tuple[str, int]], pattern: re.Pattern[str]) -> int | None:
@@ -173,25 +145,26 @@ def _by_shape(
     sides = {s: [t for t in tips if (nodes[t, 0] - middle) * s > 0.02 * size] for s in (1, -1)}
     if not (sides[1] and sides[-1]):
         return head, {}, {}
-    feet = {_limb_end(min(sides[s], key=lambda t: nodes[t, 1]), nodes, parents): s for s in (1, -1)}
+    feet = {_limb_end(min(sides[s], key=lambda t: nodes[t, 1]), nodes, parents, children): s for s in (1, -1)}
     legs = {j for foot in feet for j in _ancestors(parents, foot)[1:]}
     widest = {s: [t for t in sides[s] if not set(_ancestors(parents, parents[t])) & (set(feet))] for s in (1, -1)}
     hands = {}
     if widest[1] and widest[-1]:
-        hands = {_limb_end(max(widest[s], key=lambda t: abs(nodes[t, 0] - middle)), nodes, parents): s for s in (1, -1)}
+        farthest = {s: max(widest[s], key=lambda t: abs(nodes[t, 0] - middle)) for s in (1, -1)}
+        hands = {_limb_end(tip, nodes, parents, children): s for s, tip in farthest.items()}
     if head is None:
         free = [t for t in tips if not set(_ancestors(parents, t)[1:]) & ((legs | set(hands)) - {0})]
         head = parents[max(free, key=lambda t: nodes[t, 1])] if free else None
     return head, hands if len(hands) == 2 else {}, feet if len(feet) == 2 else {}
 
 
-def _limb_end(tip: int, nodes: FloatArray, parents: tuple[int, ...]) -> int:
-    """The hand or foot of a limb that ends in `tip`: where the last third of its length begins."""
+def _limb_end(tip: int, nodes: FloatArray, parents: tuple[int, ...], children: list[list[int]]) -> int:
+    """The hand or foot of a limb that ends in `tip`: the joint from which it is short enough to be one."""
     path = _ancestors(parents, tip)
     lengths = np.linalg.norm(np.diff(nodes[list(path)], axis=0), axis=1)
     reach = np.cumsum(lengths[::-1])[::-1]
-    near = [j for j, r in zip(path[:-1], reach, strict=True) if r <= 0.16 * float(np.ptp(nodes, axis=0).max())]
-    return near[0] if near else path[-2]
+    near = [j for j, r in zip(path[:-1], reach, strict=True) if r <= 0.13 * float(np.ptp(nodes, axis=0).max())]
+    return near[0] if near else tip if tip < len(children) else parents[tip]
 
 
 def _top_of_trunk(
@@ -298,6 +271,6 @@ def _stature(nodes: FloatArray, head: int | None, arms: tuple[Limb, ...], legs: 
         guesses.append(float(np.linalg.norm(nodes[head] - low)) / 0.405)
     guesses = [g for g in guesses if g > 1e-6]
     whole = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    if not guesses:
-        return max(whole, 1e-3)
-    return float(np.clip(np.median(guesses), 0.3 * whole, 6.0 * whole)) if whole > 0 else 1e-3
+    if whole < 1e-6:  # nothing has a length: any size is as good
+        return REFERENCE_STATURE_M
+    return float(np.clip(np.median(guesses), 0.3 * whole, 6.0 * whole)) if guesses else whole

@@ -72,7 +72,7 @@ def trunk_of(plan: BodyPlan) -> Trunk:
     widths = []
     for limbs, usual in ((plan.legs, _HIP_HALF_M), (plan.arms, _SHOULDER_HALF_M)):
         apart = _apart(plan, limbs) / 2 if len(limbs) == 2 else usual * plan.unit
-        widths.append(float(np.clip(apart / (usual * plan.unit), 0.72, 1.22)))
+        widths.append(float(np.clip(apart / (usual * plan.unit), 0.72, 1.3)))
     return Trunk(Axis(low, high, plan.forward), widths[0], widths[1])
 
 
@@ -102,15 +102,17 @@ def add_neck_and_head(shapes: ShapeList, plan: BodyPlan, trunk: Trunk) -> None:
         joints = [*plan.spine, plan.head]
         starts = np.maximum.accumulate(axis.place_of(plan.nodes[joints]))
         shapes.add(shape, ACCENT, along_joints(axis.place_of(shape.vertices), joints, starts, 0.3))
-    _add_head(shapes, plan)
+    _add_head(shapes, plan, float((joint - trunk.axis.end) @ plan.up))
 
 
-def _add_head(shapes: ShapeList, plan: BodyPlan) -> None:
+def _add_head(shapes: ShapeList, plan: BodyPlan, neck: float) -> None:
+    """Add the head; `neck` is how high its joint is over the shoulders."""
     assert plan.head is not None
     unit, frame = plan.unit, np.stack([plan.up, plan.left, plan.forward])
     joint = plan.nodes[plan.head]
     tips = [float((plan.nodes[n] - joint) @ plan.up) for n in plan.below(plan.head)]
-    top = float(np.clip(max(tips, default=_HEAD_TOP_M * unit), 0.118 * unit, 0.20 * unit))
+    lift = float(np.clip(0.165 * unit - neck, 0.0, 0.035 * unit))  # a short neck must not swallow the chin
+    top = float(np.clip(max(tips, default=_HEAD_TOP_M * unit), 0.118 * unit + lift, 0.20 * unit))
     half = _HEAD_HALF_M * unit
     centre = joint + (top - half[0]) * plan.up + 0.006 * unit * plan.forward
     ball = ellipsoid(np.zeros(3), np.eye(3), (20, 30))
@@ -158,11 +160,11 @@ def _spine_starts(plan: BodyPlan, trunk: Trunk) -> tuple[list[int], FloatArray]:
     joints = [plan.pelvis] + [j for j in plan.spine if j != plan.pelvis]
     places = trunk.axis.place_of(plan.nodes[joints])
     if len(joints) > 1:
-        places[1] = max(places[1], 0.12)
+        places[1] = max(places[1], 0.24)
     if len(joints) > 2 and plan.parents[joints[1]] < 0:  # a root beside the pelvis carries the loins
-        places[1] = (0.12 + max(places[2], 0.16)) / 2
+        places[1] = 0.20
     if len(joints) > 1:
-        places[1:] = np.maximum(places[1:], 0.12 + 1e-3 * np.arange(len(joints) - 1))
+        places[1:] = np.maximum(places[1:], 0.20 + 1e-3 * np.arange(len(joints) - 1))
     places[0] = -10.0
     return joints, np.maximum.accumulate(places)
 
