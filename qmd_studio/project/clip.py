@@ -38,7 +38,7 @@ def clip_from(loaded: Loaded, path: Path) -> Clip:
         motion = Motion(loaded.skeleton, rest_values(loaded.skeleton)[None, :], REST_FPS, name=path.stem)
         notes = (*notes, "The file holds no motion: its body stands at rest.")
     return Clip(
-        name=motion.name or path.stem,
+        name=path.stem,
         motion=motion,
         body=loaded.body,
         path=path,

@@ -80,6 +80,10 @@ class Camera:
         moved = np.array(self.target) - 2 * self.half_height * (right * self.right + up * self.up)
         return replace(self, target=_vector(moved))
 
+    def carried(self, moved: ArrayLike) -> Camera:
+        """Return the camera moved by `moved` (3,) metres of the world, what it looks at with it."""
+        return replace(self, target=_vector(np.array(self.target) + np.asarray(moved)))
+
     def zoom(self, factor: float, anchor: tuple[float, float] = (0.0, 0.0)) -> Camera:
         """Return the camera `factor` times as near, what lies under `anchor` staying under it.
 

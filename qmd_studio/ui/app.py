@@ -56,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.files:
         window.when_furnished(lambda: window.open_paths(options.files))
     elif options.sample:
-        window.when_furnished(window.open_sample)
+        window.when_furnished(window.files.open_sample)
     window.show()
     status = app.exec()
     faults.stop()

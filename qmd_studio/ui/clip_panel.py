@@ -19,9 +19,9 @@ UNITS: tuple[tuple[str, float], ...] = (
     ("mm", 0.001),
     ("inch", 0.0254),
     ("foot", 0.3048),
-    ("ASF unit (1/0.45 inch)", ASF_UNIT_M),
+    ("ASF unit", ASF_UNIT_M),
 )
-"""The length units on offer, in metres."""
+"""The length units on offer, in metres; an ASF unit is 1/0.45 inch."""
 
 
 class ClipPanel(QWidget):
@@ -45,6 +45,7 @@ class ClipPanel(QWidget):
         column.setSpacing(8)
         column.addLayout(self._form())
         column.addWidget(self._notes)
+        column.addStretch(1)
         document.changed.connect(self._follow)
         self._follow(document.state)
 
@@ -68,7 +69,7 @@ class ClipPanel(QWidget):
         return form
 
     def _fps_field(self) -> QDoubleSpinBox:
-        field = QDoubleSpinBox()
+        field = _RateField()
         field.setRange(0.01, MAX_FPS)
         field.setDecimals(3)
         field.setSuffix(self.tr(" fps"))
@@ -99,7 +100,7 @@ class ClipPanel(QWidget):
         self._frames.setText(str(motion.n_frames))
         self._duration.setText(clock_text(motion.duration_s))
         self._dofs.setText(f"{len(motion.skeleton.joints)}, {motion.skeleton.n_columns}")
-        self._notes.setText("\n".join(clip.notes))
+        self._notes.setText("\n".join(note[:1].upper() + note[1:] for note in clip.notes))
         self._notes.setVisible(bool(clip.notes))
         with QSignalBlocker(self.fps), QSignalBlocker(self.unit):
             self.fps.setValue(motion.fps)
@@ -132,3 +133,10 @@ def _value() -> QLabel:
     label = QLabel("–")
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     return label
+
+
+class _RateField(QDoubleSpinBox):
+    """Shows 120 as "120", and 29.97 as it is."""
+
+    def textFromValue(self, value: float) -> str:
+        return self.locale().toString(value, "f", self.decimals()).rstrip("0").rstrip(".,")

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from qmd_studio.ui.codec_lab import CodecLab
+from qmd_studio.ui.codec_lab_export import ask_for_path
+from qmd_studio.ui.error_strip import ErrorStrip
 from qmd_studio.ui.stage import Overlay
 
 if TYPE_CHECKING:
-    from qmd_studio.tuning.session import EncodeReport
+    from qmd_studio.tuning.report import EncodeReport
     from qmd_studio.ui.main_window import MainWindow
 
 
@@ -15,26 +18,32 @@ def furnish_window(window: MainWindow) -> None:
     """Bring in what the first picture could do without."""
     window.stage.show_default_body()
     _bring_lab(window)
+    if not window.document.state.clips:
+        window.viewport.frame_all()
 
 
 def _bring_lab(window: MainWindow) -> None:
-    try:
-        from qmd_studio.ui.codec_lab import CodecLab
-    except ImportError:
-        return
-
-    lab = CodecLab(window.document, window.playhead, window)
-    window.lab = lab
+    lab = CodecLab(
+        window.document,
+        window.playhead,
+        window,
+        ask_path=lambda parent, suggested: (window.ask_export_path or ask_for_path)(parent, suggested),
+    )
+    strip = ErrorStrip(window.playhead)
+    window.lab, window.strip = lab, strip
     window.lab_dock.setWidget(lab)
+    window.timeline.set_strip(strip)
 
     def show_report(report: EncodeReport) -> None:
-        window.stage.show_decoded(report.decoded)
+        window.stage.show_decoded(lambda: report.decoded)
         window.status.show_figures(report.file_bytes, report.error.def_)
+        strip.show_error(report.error)
         window.enable_verbs()
 
     def clear_report() -> None:
         window.stage.show_decoded(None)
         window.status.clear_figures()
+        strip.clear()
         window.enable_verbs()
 
     lab.report_ready.connect(show_report)

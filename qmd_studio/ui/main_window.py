@@ -3,32 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QMainWindow, QVBoxLayout, QWidget
 
-from qmd_studio import assets
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import QmdStudioError
-from qmd_studio.project.clip import Clip
-from qmd_studio.project.commands import AddClip, RemoveClip, SetCodecSettings
+from qmd_studio.project.commands import RemoveClip, SetCodecSettings
 from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import DocumentState
 from qmd_studio.ui.actions import Actions, Needs
 from qmd_studio.ui.banner import BannerArea
 from qmd_studio.ui.clip_panel import ClipPanel
-from qmd_studio.ui.dialogs import AboutDialog, HelpDialog, ShortcutsDialog, ask_export, ask_open
+from qmd_studio.ui.dialogs import AboutDialog, HelpDialog, ShortcutsDialog
 from qmd_studio.ui.drop import dropped_files
+from qmd_studio.ui.file_desk import FileDesk
 from qmd_studio.ui.icons import application_icon, icon
 from qmd_studio.ui.menus import Menus, tool_bar
-from qmd_studio.ui.opener import Opener
 from qmd_studio.ui.outliner import Outliner
 from qmd_studio.ui.panels import LAB_WIDTH, arrange, dock, scrolling
 from qmd_studio.ui.player import Player
-from qmd_studio.ui.saver import Saver
 from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
 from qmd_studio.ui.stage import Overlay, Stage
 from qmd_studio.ui.status import StatusBar
@@ -37,7 +36,11 @@ from qmd_studio.ui.timeline import Timeline
 from qmd_studio.ui.transport import transport_handlers
 from qmd_studio.ui.viewport import Viewport
 
-SAMPLE = "walk.bap"
+if TYPE_CHECKING:
+    from qmd_studio.ui.codec_lab import CodecLab
+    from qmd_studio.ui.codec_lab_export import AskPath
+    from qmd_studio.ui.error_strip import ErrorStrip
+
 DEFAULT_SIZE = (1440, 900)
 _OVERLAY_VERBS = {
     "show_original": Overlay.ORIGINAL,
@@ -58,7 +61,9 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.settings, self.themes = settings, themes
         self.document, self.playhead = Document(), Playhead()
-        self.lab = None
+        self.lab: CodecLab | None = None
+        self.strip: ErrorStrip | None = None
+        self.ask_export_path: AskPath | None = None
         self._is_furnished = False
         self._shown_clip: int | None = None
         self._after_furnishing: list[Callable[[], None]] = []
@@ -67,13 +72,14 @@ class MainWindow(QMainWindow):
         self.setDockNestingEnabled(True)
         self.resize(*DEFAULT_SIZE)
         self.verbs = Actions(self)
-        self.opener, self.saver = Opener(self), Saver(self)
+        self.files = FileDesk(self.document, settings, self)
         self._make_centre()
         self._make_panels()
         self._make_bars()
         self.stage = Stage(self.viewport, self.playhead, self)
         self.player = Player(self.playhead, self)
         self.verbs.connect_all(self._handlers())
+        self.verbs["follow"].setChecked(self.stage.follows)
         self._connect()
         self._first_state = self.saveState(LAYOUT_VERSION)
         self._restore_layout()
@@ -125,9 +131,9 @@ class MainWindow(QMainWindow):
         view = self.viewport.view_preset
         return {
             **transport_handlers(self.playhead),
-            "open": self._open_by_dialog,
+            "open": lambda: self.files.open_by_dialog(self),
             "export_qmd": self.export_qmd,
-            "export_as": self._export_by_dialog,
+            "export_as": lambda: self.files.export_by_dialog(self),
             "close_clip": self._close_clip,
             "quit": self.close,
             "undo": self.document.undo,
@@ -136,6 +142,7 @@ class MainWindow(QMainWindow):
             "dismiss": self.banners.dismiss_newest,
             "frame_all": self.viewport.frame_all,
             "frame_selection": self.viewport.frame_selection,
+            "follow": self._toggle_follow,
             "view_front": lambda: view("front"),
             "view_back": lambda: view("back"),
             "view_left": lambda: view("left"),
@@ -148,6 +155,8 @@ class MainWindow(QMainWindow):
             "full_screen": self._toggle_full_screen,
             "reset_layout": self.reset_layout,
             "go_to": self.timeline.edit_place,
+            "next_worst": lambda: self.strip and self.strip.go_to_next(),
+            "previous_worst": lambda: self.strip and self.strip.go_to_previous(),
             "reset_codec": lambda: self.document.execute(SetCodecSettings(QmdSettings())),
             "encoder_closed": lambda: self._choose_encoder(Encoder.CLOSED),
             "encoder_paper": lambda: self._choose_encoder(Encoder.PAPER),
@@ -159,13 +168,11 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         self.document.changed.connect(self._follow)
         self.themes.changed.connect(self._follow_theme)
-        self.opener.opened.connect(self._add_clips)
-        self.opener.failed.connect(self.show_problem)
-        self.opener.busy_changed.connect(lambda name: self._show_job(self.tr("Opening {name}"), name))
-        self.saver.busy_changed.connect(lambda name: self._show_job(self.tr("Writing {name}"), name))
-        self.saver.saved.connect(self._tell_saved)
-        self.saver.failed.connect(self.show_problem)
-        self.status.cancelled.connect(self.opener.cancel)
+        self.files.added.connect(self._play_from_start)
+        self.files.failed.connect(self.show_problem)
+        self.files.written.connect(lambda path: self.show_message("info", self.tr("Written"), [str(path)]))
+        self.files.job_changed.connect(self.status.show_job)
+        self.status.cancelled.connect(self.files.cancel)
         self.viewport.joint_picked.connect(self._pick_joint)
         self.viewport.failed.connect(lambda message: self.show_problem(QmdStudioError(message)))
         self.outliner.joint_selected.connect(self._select_joint)
@@ -196,6 +203,11 @@ class MainWindow(QMainWindow):
         for action in self._after_furnishing:
             action()
 
+    @property
+    def is_furnished(self) -> bool:
+        """Whether the codec lab and the default body are there."""
+        return self._is_furnished
+
     def when_furnished(self, action: Callable[[], None]) -> None:
         """Do `action` as soon as the window is furnished."""
         if self._is_furnished:
@@ -207,56 +219,20 @@ class MainWindow(QMainWindow):
 
     def open_paths(self, paths: list[Path]) -> None:
         """Open files beside what is open already; each that cannot be opened gives a message."""
-        self.opener.open(paths)
-
-    def open_sample(self) -> None:
-        """Open the sample motion that ships with the studio, where it is there."""
-        sample = assets.resource("motions", SAMPLE)
-        if sample.is_file():
-            self.opener.open([sample])
+        self.files.open_paths(paths)
 
     def export_qmd(self) -> None:
         """Write the bytes that were measured beside the clip's own file."""
         if self.lab is not None:
             self.lab.export()
 
-    def _open_by_dialog(self) -> None:
-        paths = ask_open(self, self.settings.folder("open"))
-        if paths:
-            self.settings.set_folder("open", paths[0].parent)
-            self.open_paths(paths)
-
-    def _export_by_dialog(self) -> None:
-        clip = self.document.state.active_clip
-        if clip is None:
-            return
-        stem = clip.path.stem if clip.path else clip.name
-        path = ask_export(self, self.settings.folder("export") / f"{stem}.bvh")
-        if path is None:
-            return
-        self.settings.set_folder("export", path.parent)
-        self.saver.save(path, clip.motion)
-
-    def _add_clips(self, clips: list[Clip]) -> None:
-        if len(clips) == 1:
-            self.document.execute(AddClip(clips[0]))
-        else:
-            with self.document.transaction(self.tr("Open {n} files").format(n=len(clips))):
-                for clip in clips:
-                    self.document.execute(AddClip(clip))
-        samples = assets.resource("motions")
-        for clip in clips:
-            if clip.path is not None and clip.path.parent != samples:
-                self.settings.add_recent(clip.path)
+    def _play_from_start(self) -> None:
         self.playhead.seek(0.0)
         self.playhead.playing = self.playhead.n_frames > 1
 
     def _close_clip(self) -> None:
         if self.document.state.active is not None:
             self.document.execute(RemoveClip(self.document.state.active))
-
-    def _tell_saved(self, path: Path) -> None:
-        self.show_message("info", self.tr("Written"), [str(path)])
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         if dropped_files(event.mimeData()):
@@ -283,9 +259,6 @@ class MainWindow(QMainWindow):
         """Show what the reader of the clip `key` warned of."""
         clip = self.document.state.clip(key)
         self.show_message("warning", self.tr("Warnings of {name}").format(name=clip.name), list(clip.warnings))
-
-    def _show_job(self, text: str, name: str) -> None:
-        self.status.show_job(text.format(name=name) if name else "")
 
     # Following the document
 
@@ -320,7 +293,7 @@ class MainWindow(QMainWindow):
             Needs.CLIP: clip is not None,
             Needs.FRAMES: clip is not None and clip.motion.n_frames > 1,
             Needs.SELECTION: clip is not None and self.viewport.scene.selected is not None,
-            Needs.DECODED: self.stage.decoded is not None,
+            Needs.DECODED: self.stage.has_decoded,
             Needs.UNDO: self.document.can_undo,
             Needs.REDO: self.document.can_redo,
         }
@@ -335,11 +308,12 @@ class MainWindow(QMainWindow):
         self.enable_verbs()
 
     def _choose_encoder(self, encoder: Encoder) -> None:
-        from dataclasses import replace
-
         self.document.execute(SetCodecSettings(replace(self.document.state.codec, encoder=encoder)))
 
     # The look
+
+    def _toggle_follow(self) -> None:
+        self.stage.follows = self.verbs["follow"].isChecked()
 
     def show_overlay(self, overlay: Overlay) -> None:
         """Show the original, the decoded motion, or both."""
@@ -392,8 +366,7 @@ class MainWindow(QMainWindow):
         self.playhead.playing = False
         self.settings.set_layout(*self.layout_state())
         self.settings.sync()
-        self.opener.wait()
-        self.saver.wait()
+        self.files.finish()
         if self.lab is not None:
             self.lab.close_down()
         super().closeEvent(event)

@@ -65,7 +65,7 @@ class Menus(QObject):
         view = self.view_menu
         self._fill(view, "view")
         bar.addMenu(view)
-        view.insertMenu(self._actions["show_original"], self._menu(self.tr("View &from"), "view_from"))
+        view.insertMenu(self._actions["show_original"], self._menu(self.tr("View fro&m"), "view_from"))
         view.insertSeparator(self._actions["show_original"])
         view.insertMenu(self._actions["full_screen"], self._menu(self.tr("T&heme"), "theme"))
         bar.addMenu(self._menu(self.tr("&Animate"), "animate"))

@@ -44,4 +44,4 @@ def arrange(window: QMainWindow, outliner: QDockWidget, clip: QDockWidget, lab: 
         panel.show()
     window.splitDockWidget(outliner, clip, Qt.Orientation.Vertical)
     window.resizeDocks([outliner, lab], [OUTLINER_WIDTH, LAB_WIDTH], Qt.Orientation.Horizontal)
-    window.resizeDocks([outliner, clip], [480, 240], Qt.Orientation.Vertical)
+    window.resizeDocks([outliner, clip], [400, 300], Qt.Orientation.Vertical)

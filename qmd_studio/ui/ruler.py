@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QPolygonF,
+    QResizeEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from qmd_studio.project.playhead import Playhead
 
-MARGIN = 16
+MARGIN = 24
 """Pixels left free at either end, so that the first and the last number fit; a strip above uses the same."""
-_HEIGHT = 40
+_HEIGHT = 44
 _MIN_LABEL_GAP = 64
+_LABEL_CLEARANCE = 26  # the playhead has a number of its own
 _STEPS = (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 2000, 2500, 5000, 10_000, 20_000, 50_000, 100_000)
 
 
@@ -27,6 +38,8 @@ class Ruler(QWidget):
     """Shows the clip's frames from its left end to its right. Press and drag moves the playhead; wheel steps it."""
 
     scrubbed = Signal()
+    span_changed = Signal(float, float)
+    """The pixel columns of the first and the last frame, whenever they move."""
 
     def __init__(self, playhead: Playhead, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -40,6 +53,15 @@ class Ruler(QWidget):
 
     def sizeHint(self) -> QSize:
         return QSize(400, _HEIGHT)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self.span_changed.emit(*self.ends)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The pixel columns of the first and the last frame."""
+        return float(MARGIN), MARGIN + self._span()
 
     def x_of(self, frame: float) -> float:
         """Return the pixel column of `frame`."""
@@ -109,13 +131,13 @@ class Ruler(QWidget):
             self.palette().color(QPalette.ColorRole.Mid),
             self.palette().color(QPalette.ColorRole.PlaceholderText),
         )
-        bottom = self.height() - 1
+        bottom, playhead_x = self.height() - 1, self.x_of(self._playhead.index)
         for frame in range(0, n_frames, small):
             x = self.x_of(frame)
             labelled = frame % step == 0
             painter.setPen(muted if labelled else line)
             painter.drawLine(QPointF(x, bottom - (10 if labelled else 5)), QPointF(x, bottom))
-            if labelled:
+            if labelled and abs(x - playhead_x) > _LABEL_CLEARANCE:
                 painter.drawText(QRectF(x - 40, bottom - 26, 80, 14), Qt.AlignmentFlag.AlignCenter, str(frame))
         painter.setPen(line)
         painter.drawLine(0, bottom, self.width(), bottom)

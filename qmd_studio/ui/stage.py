@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import StrEnum
 from functools import lru_cache
 
@@ -33,8 +34,10 @@ class Stage(QObject):
         super().__init__(parent)
         self._viewport, self._playhead = viewport, playhead
         self._clip: Clip | None = None
-        self._decoded: Motion | None = None
+        self._decoded: Callable[[], Motion] | None = None
         self._overlay = Overlay.ORIGINAL
+        self._follows = True
+        self._stands_at: FloatArray | None = None
         self._default: list[Actor] = []
         playhead.moved.connect(self._pose)
 
@@ -49,21 +52,31 @@ class Stage(QObject):
         self._pose()
 
     @property
-    def decoded(self) -> Motion | None:
-        """What the QMD file plays."""
-        return self._decoded
+    def follows(self) -> bool:
+        """Whether the camera goes along with the body over the ground."""
+        return self._follows
+
+    @follows.setter
+    def follows(self, follows: bool) -> None:
+        self._follows = follows
+
+    @property
+    def has_decoded(self) -> bool:
+        """Whether it is known what the QMD file plays."""
+        return self._decoded is not None
 
     def show_clip(self, clip: Clip | None) -> None:
-        """Show `clip`, or an empty stage; a decoded motion of another length or skeleton goes."""
-        self._clip = clip
-        if clip is None or (self._decoded is not None and not _fits(self._decoded, clip.motion)):
+        """Show `clip`, or the default body; what was decoded of another motion goes."""
+        before, self._clip = self._clip, clip
+        if clip is None or before is None or clip.key != before.key:
+            self._stands_at = None  # another body: the camera is framed anew, not carried there
+        if clip is None or before is None or clip.motion is not before.motion:
             self._decoded = None
         self._pose()
 
-    def show_decoded(self, motion: Motion | None) -> None:
-        """Take over what the QMD file plays, or None where that is not known."""
-        fits = self._clip is not None and motion is not None and _fits(motion, self._clip.motion)
-        self._decoded = motion if fits else None
+    def show_decoded(self, decoded: Callable[[], Motion] | None) -> None:
+        """Take over what the QMD file of the shown clip plays, made when first looked at; None if unknown."""
+        self._decoded = decoded if self._clip is not None else None
         self._pose()
 
     def show_default_body(self) -> None:
@@ -84,8 +97,16 @@ class Stage(QObject):
         if overlay is not Overlay.DECODED:
             actors.append(Actor(body, self._matrices(self._clip.motion)))
         if overlay is not Overlay.ORIGINAL and self._decoded is not None:
-            actors.append(Actor(body, self._matrices(self._decoded), ghost=overlay is Overlay.BOTH))
+            actors.append(Actor(body, self._matrices(self._decoded()), ghost=overlay is Overlay.BOTH))
         self._viewport.set_actors(actors)
+        self._carry_camera(actors[0].world_from_joint[0, :3, 3])
+
+    def _carry_camera(self, root: FloatArray) -> None:
+        before, self._stands_at = self._stands_at, root.copy()
+        if self._follows and before is not None:
+            moved = root - before
+            moved[1] = 0.0  # a jump is seen as one
+            self._viewport.carry_camera(moved)
 
     def _matrices(self, motion: Motion) -> FloatArray:
         index = min(self._playhead.index, motion.n_frames - 1)
@@ -102,7 +123,3 @@ def _made(skeleton: Skeleton) -> Body:
     from qmd_studio.avatar.bone_body import bone_body  # not needed for the first picture
 
     return bone_body(skeleton)
-
-
-def _fits(decoded: Motion, original: Motion) -> bool:
-    return decoded.X.shape == original.X.shape and len(decoded.skeleton.joints) == len(original.skeleton.joints)

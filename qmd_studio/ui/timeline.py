@@ -30,7 +30,6 @@ class Timeline(QFrame):
         self.speed = self._speed_field()
         self._of = QLabel()
         self._of.setProperty("muted", True)
-        self._strip: QWidget | None = None
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(0, 0, 0, 0)
         self._column.setSpacing(0)
@@ -41,12 +40,10 @@ class Timeline(QFrame):
         self.refresh()
 
     def set_strip(self, strip: QWidget) -> None:
-        """Put `strip` above the ruler; it spans the same width, `ruler.MARGIN` pixels being free at either end."""
-        if self._strip is not None:
-            self._column.removeWidget(self._strip)
-            self._strip.setParent(None)
-        self._strip = strip
+        """Put `strip` above the ruler, its frames over the ruler's (`strip.set_span` is told where they are)."""
         self._column.insertWidget(0, strip)
+        strip.set_span(*self.ruler.ends)
+        self.ruler.span_changed.connect(strip.set_span)
 
     def edit_place(self) -> None:
         """Let the user type where to go."""

@@ -169,6 +169,10 @@ class Viewport(QOpenGLWidget):
         self._changed()
         self.camera_changed.emit()
 
+    def carry_camera(self, moved: np.ndarray) -> None:
+        """Move the camera along with the actors that were just set, by `moved` (3,) metres."""
+        self._camera, self._goal = self._camera.carried(moved), self._goal.carried(moved)
+
     def finish(self) -> None:
         """Draw at once what the view would show at rest: camera arrived, best quality. For pictures."""
         self._camera = self._goal
