@@ -38,6 +38,4 @@ def _group(skeleton: Skeleton, joint: int, columns: list[int], *, whole: bool) -
     if whole:
         return name
     short = [short_name(skeleton, column) for column in columns]
-    if all(skeleton.columns[column].name == text for column, text in zip(columns, short, strict=True)):
-        return ", ".join(short)  # BAP names already say which joint they turn
     return " ".join((name, *short))

@@ -28,6 +28,7 @@ from qmd_studio.project.playhead import Playhead
 from qmd_studio.tuning.error_axis import ErrorAxis
 from qmd_studio.tuning.worst_frames import frame_errors, next_worst, outline, worst_frames
 from qmd_studio.ui.quantity import millimetres, tabular
+from qmd_studio.ui.ruler import MARGIN
 
 if TYPE_CHECKING:
     from qmd_studio.motion.metrics import MotionError
@@ -43,7 +44,7 @@ class ErrorStrip(QWidget):
     """Draws the largest error of any point in each frame against an axis that starts at zero, or a logarithmic one.
 
     A click goes to that frame. `go_to_next` and `go_to_previous` go along the worst frames (N and Shift+N here too).
-    `set_span` makes frames stand under those of a ruler: the x of the first and of the last frame.
+    Frames stand over those of the ruler, as long as both are equally wide.
     """
 
     went = Signal(int)
@@ -55,7 +56,6 @@ class ErrorStrip(QWidget):
         self._error: FloatArray | None = None
         self._worst = worst_frames(np.zeros(1), min_gap=1)
         self._logarithmic = False
-        self._span: tuple[float, float] | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAccessibleName(self.tr("Error per frame"))
@@ -92,11 +92,6 @@ class ErrorStrip(QWidget):
         self._error = None
         self._worst = self._worst[:0]
         self.setAccessibleDescription("")
-        self.update()
-
-    def set_span(self, first_x: float, last_x: float) -> None:
-        """Put the first frame at x = `first_x` and the last at `last_x`, in pixels of this widget."""
-        self._span = (first_x, last_x)
         self.update()
 
     def frame_at(self, x: float) -> int:
@@ -248,7 +243,7 @@ class ErrorStrip(QWidget):
         self.update()
 
     def _ends(self) -> tuple[float, float]:
-        return self._span if self._span is not None else (8.0, self.width() - 8.0)
+        return float(MARGIN), float(max(self.width() - MARGIN, MARGIN + 1))
 
     def _vertical(self) -> tuple[float, float]:
         return _TICK + 4.0, self.height() - 1.0

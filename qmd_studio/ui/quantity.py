@@ -27,7 +27,7 @@ def millimetres(value_mm: float) -> str:
 
 
 def significant(value: float) -> str:
-    """Return a value with three digits that count and no exponent; below 0.0001 it is "0" or "< 0.0001"."""
+    """Return a value with three digits that count, four decimals at most; below 0.0001 it is "0" or "< 0.0001"."""
     if value == 0.0:
         return "0"
     if abs(value) < 1e-4:

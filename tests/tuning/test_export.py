@@ -1,0 +1,55 @@
+import math
+
+import pytest
+
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import StorageError
+from qmd_studio.tuning.export import export_numbered, export_over, suggested_name
+
+
+def test_the_name_says_the_settings():
+    assert suggested_name("walk", QmdSettings(), 342) == "walk__fdf6_b8_nd342.qmd"
+    assert suggested_name("walk", QmdSettings(11, 9, 90), 342) == "walk__fdf11_b9_nd90.qmd"
+
+
+def test_the_papers_encoder_is_named_with_what_is_not_its_default():
+    paper = QmdSettings(encoder=Encoder.PAPER)
+    assert suggested_name("a", paper, 9) == "a__fdf6_b8_nd9_paper.qmd"
+    paper = QmdSettings(encoder=Encoder.PAPER, k=2.0, rqt=500)
+    assert suggested_name("a", paper, 9) == "a__fdf6_b8_nd9_paper_k2_rqt500.qmd"
+    assert "k" not in suggested_name("a", QmdSettings(k=math.inf), 9)
+
+
+@pytest.mark.parametrize(("stem", "start"), [("a/b:c", "a_b_c__"), ("..", "motion__"), ("", "motion__")])
+def test_a_name_that_no_file_can_have_becomes_one(stem, start):
+    assert suggested_name(stem, QmdSettings(), 9).startswith(start)
+
+
+def test_another_file_of_that_name_is_left_alone(tmp_path):
+    path = tmp_path / "walk.qmd"
+    path.write_bytes(b"another")
+    (tmp_path / "walk-2.qmd").write_bytes(b"one more")
+    done = export_numbered(b"mine", path)
+    assert done.path.name == "walk-3.qmd"
+    assert done.path.read_bytes() == b"mine"
+    assert path.read_bytes() == b"another"
+
+
+def test_the_same_bytes_are_not_written_twice(tmp_path):
+    first = export_numbered(b"mine", tmp_path / "walk.qmd")
+    again = export_numbered(b"mine", tmp_path / "walk.qmd")
+    assert (first.written, again.written) == (True, False)
+    assert again.path == first.path
+    assert [p.name for p in tmp_path.iterdir()] == ["walk.qmd"]
+
+
+def test_a_name_that_the_user_chose_is_written_over(tmp_path):
+    path = tmp_path / "walk.qmd"
+    path.write_bytes(b"another")
+    assert export_over(b"mine", path).path == path
+    assert path.read_bytes() == b"mine"
+
+
+def test_a_folder_that_is_not_there_is_an_error(tmp_path):
+    with pytest.raises(StorageError):
+        export_numbered(b"mine", tmp_path / "gone" / "walk.qmd")

@@ -1,0 +1,163 @@
+"""The worker: the newest request wins, what is out of date is dropped, and the window stays alive meanwhile."""
+
+import sys
+import threading
+
+import pytest
+from PySide6.QtCore import QTimer
+
+from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.errors import CodecError
+from qmd_studio.tuning import session as session_module
+from qmd_studio.ui import tuning_worker
+from qmd_studio.ui.tuning_worker import TuningWorker
+from tests.generated_motion import walker
+
+
+@pytest.fixture
+def motion():
+    return walker(60)
+
+
+@pytest.fixture
+def worker(qtbot):
+    worker = TuningWorker()
+    worker.outcomes, worker.problems = [], []
+    worker.measured.connect(lambda report: worker.outcomes.append(report.settings))
+    worker.failed.connect(worker.problems.append)
+    yield worker
+    worker.close()
+
+
+class Gate:
+    """Holds every evaluation up until it is opened, and notes what was begun."""
+
+    def __init__(self, monkeypatch):
+        self.begun, self.entered, self.opened = [], threading.Event(), threading.Event()
+        evaluate = session_module.TuningSession.evaluate
+
+        def held(session, settings):
+            self.begun.append(settings)
+            self.entered.set()
+            assert self.opened.wait(30)
+            return evaluate(session, settings)
+
+        monkeypatch.setattr(session_module.TuningSession, "evaluate", held)
+
+
+@pytest.fixture
+def gate(monkeypatch, worker):
+    gate = Gate(monkeypatch)
+    yield gate
+    gate.opened.set()
+
+
+def settled(qtbot, worker):
+    qtbot.waitUntil(lambda: not worker.pending, timeout=30_000)
+
+
+def test_a_request_is_measured(qtbot, worker, motion):
+    with qtbot.waitSignal(worker.measured, timeout=30_000) as caught:
+        worker.request(motion, QmdSettings(fdf=3))
+    report = caught.args[0]
+    assert report.settings == QmdSettings(fdf=3)
+    assert report.file_bytes == len(report.data)
+    assert not worker.pending
+
+
+def test_of_many_requests_only_the_first_and_the_newest_are_begun_and_only_the_newest_is_told(
+    qtbot, worker, motion, gate
+):
+    worker.request(motion, QmdSettings(fdf=0))
+    assert gate.entered.wait(30)
+    for fdf in range(1, 60):
+        worker.request(motion, QmdSettings(fdf=fdf))
+    gate.opened.set()
+    settled(qtbot, worker)
+    assert [s.fdf for s in gate.begun] == [0, 59]
+    assert [s.fdf for s in worker.outcomes] == [59]
+
+
+def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, gate):
+    worker.request(motion, QmdSettings(fdf=1))
+    assert gate.entered.wait(30)
+    worker.cancel()
+    assert not worker.pending
+    gate.opened.set()
+    worker.request(motion, QmdSettings(fdf=2))
+    settled(qtbot, worker)
+    assert [s.fdf for s in worker.outcomes] == [2]
+
+
+def test_the_event_loop_goes_on_while_something_is_measured(qtbot, worker, motion, gate):
+    beats = []
+    heart = QTimer(interval=1)
+    heart.timeout.connect(lambda: beats.append(worker.pending))
+    worker.request(motion, QmdSettings())
+    assert gate.entered.wait(30)
+    heart.start()
+    qtbot.waitUntil(lambda: beats.count(True) >= 20, timeout=30_000)
+    gate.opened.set()
+    settled(qtbot, worker)
+
+
+def test_what_was_measured_a_moment_ago_comes_at_once(qtbot, worker, motion):
+    for fdf in (1, 2):
+        worker.request(motion, QmdSettings(fdf=fdf))
+        settled(qtbot, worker)
+    worker.request(motion, QmdSettings(fdf=1))
+    assert not worker.pending
+    assert [s.fdf for s in worker.outcomes] == [1, 2, 1]
+
+
+def test_another_motion_is_measured_for_itself(qtbot, worker, motion):
+    reports = []
+    worker.measured.connect(reports.append)
+    for each in (motion, walker(60, seed=2), motion):
+        worker.request(each, QmdSettings())
+        settled(qtbot, worker)
+    assert reports[0].data == reports[2].data != reports[1].data
+
+
+def test_settings_that_cannot_be_encoded_are_told_as_an_error(qtbot, worker, motion):
+    worker.request(motion, QmdSettings(fdf=1000))
+    settled(qtbot, worker)
+    assert [type(problem) for problem in worker.problems] == [CodecError]
+    worker.request(motion, QmdSettings(fdf=4))
+    settled(qtbot, worker)
+    assert [s.fdf for s in worker.outcomes] == [4]
+
+
+def test_a_mistake_of_the_studio_leaves_nobody_waiting(qtbot, worker, motion, monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, "excepthook", lambda *what: seen.append(what[0]))
+
+    def broken(session, settings):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(session_module.TuningSession, "evaluate", broken)
+    worker.request(motion, QmdSettings())
+    settled(qtbot, worker)
+    assert [type(problem) for problem in worker.problems] == [CodecError]
+    assert seen == [ZeroDivisionError]
+
+
+def test_a_thread_that_has_nothing_to_do_goes_home_and_another_comes(qtbot, worker, motion, monkeypatch):
+    monkeypatch.setattr(tuning_worker, "IDLE_S", 0.01)
+    worker.request(motion, QmdSettings(fdf=1))
+    settled(qtbot, worker)
+    qtbot.waitUntil(lambda: not any(t.name == "tuning" for t in threading.enumerate()), timeout=30_000)
+    worker.request(motion, QmdSettings(fdf=2))
+    settled(qtbot, worker)
+    assert [s.fdf for s in worker.outcomes] == [1, 2]
+
+
+def test_closing_waits_for_the_thread_and_tells_nothing(qapp, worker, motion, gate):
+    worker.request(motion, QmdSettings())
+    assert gate.entered.wait(30)
+    gate.opened.set()
+    worker.close()
+    assert not any(t.name == "tuning" for t in threading.enumerate())
+    qapp.processEvents()
+    worker.request(motion, QmdSettings(fdf=2))
+    assert worker.outcomes == []
