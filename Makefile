@@ -13,8 +13,9 @@ run:
 	@.ci/setup run
 	@.ci/launch $(if $(FILE),"$$FILE")
 
+# xcb: on a Wayland desktop the tests' windows belong on the virtual screen too.
 test: lint
-	$(bin)/python -m pytest -q
+	QT_QPA_PLATFORM=xcb $(bin)/python -m pytest -q -rs
 
 lint:
 	@.ci/setup test

@@ -35,7 +35,11 @@ def tube(rings: FloatArray) -> Shape:
     steps = k * np.arange(n - 1)[:, None]
     low = np.stack([steps + around, steps + after, steps + k + after], axis=-1).reshape(-1, 3)
     high = np.stack([steps + around, steps + k + after, steps + k + around], axis=-1).reshape(-1, 3)
-    shape = Shape(np.concatenate([rings.reshape(-1, 3), poles]), np.concatenate([first, low, high, last]))
+    return outward(Shape(np.concatenate([rings.reshape(-1, 3), poles]), np.concatenate([first, low, high, last])))
+
+
+def outward(shape: Shape) -> Shape:
+    """Return a closed shape with its outside outside."""
     return shape if volume(shape) >= 0 else Shape(shape.vertices, shape.faces[:, ::-1])
 
 
@@ -103,6 +107,10 @@ class ShapeList:
     def n_faces(self) -> int:
         """The number of triangles so far."""
         return sum(len(shape.faces) for shape, _, _ in self.parts)
+
+    def carriers(self) -> set[int]:
+        """Return the joints that carry something."""
+        return {int(j) for _, _, (joints, weights) in self.parts for j in np.unique(joints[weights > 1e-3])}
 
     def surface(self) -> Surface:
         """Return everything as one surface with smooth normals in each shape."""

@@ -139,7 +139,7 @@ class Renderer:
         GL.glDepthMask(False)
         GL.glEnable(GL.GL_BLEND)
         GL.glBlendFunc(GL.GL_ONE, GL.GL_ONE_MINUS_SRC_ALPHA)
-        spacing = 10.0 ** max(-1, round(math.log10(max(camera.half_height, 1e-3) / 3.0)))
+        spacing = 10.0 ** max(-1, round(math.log10(max(camera.half_height, 1e-3) / 1.2)))
         below = camera.eye[1] < scene.ground_y
         self._ground.use()
         self._ground.set(

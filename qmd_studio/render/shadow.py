@@ -11,9 +11,9 @@ from qmd_studio.arrays import Float32Array, FloatArray
 from qmd_studio.render.scene import Actor
 
 _SIZE = 72
-_MARGIN_M = 0.45
-_MAX_BONES = 48
-_LEAN = np.array([-0.10, -0.16])  # the shadow's shift along x and z for each metre of height, away from the key light
+_MAX_BONES = 28
+_WIDTH_NEAR, _WIDTH_PER_M = 0.028, 0.13
+_LEAN = np.array([-0.06, -0.12])  # the shadow's shift along x and z for each metre of height, away from the key light
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +33,10 @@ def shadow_map(actors: Iterable[Actor], ground_y: float) -> ShadowMap | None:
     if not ends:
         return None
     start, end, scale = (np.concatenate([e[k] for e in ends]) for k in range(3))
-    low = np.minimum(start[:, [0, 2]], end[:, [0, 2]]).min(axis=0) - _MARGIN_M
-    high = np.maximum(start[:, [0, 2]], end[:, [0, 2]]).max(axis=0) + _MARGIN_M
+    fallen = np.concatenate([e[:, [0, 2]] + _LEAN * np.maximum(e[:, 1:2], 0.0) for e in (start, end)])
+    heights = np.concatenate([start[:, 1], end[:, 1]])
+    margin = 2.3 * (_WIDTH_NEAR * scale.max() + _WIDTH_PER_M * max(float(heights.max()), 0.0))
+    low, high = fallen.min(axis=0) - margin, fallen.max(axis=0) + margin
     size = np.maximum(high - low, 0.1)
     if not np.isfinite(size).all():
         return None
@@ -43,7 +45,7 @@ def shadow_map(actors: Iterable[Actor], ground_y: float) -> ShadowMap | None:
     light = np.ones((_SIZE, _SIZE))
     for a, b, s in zip(start, end, scale, strict=True):
         light *= 1.0 - _darkness(x[None, :], z[:, None], (a, b), s)
-    edge = np.minimum(_ramp(_SIZE)[None, :], _ramp(_SIZE)[:, None])
+    edge = _ramp(_SIZE)[None, :] * _ramp(_SIZE)[:, None]
     window = (float(low[0]), float(low[1]), float(1 / size[0]), float(1 / size[1]))
     return ShadowMap(((1.0 - light) * edge).astype(np.float32), window)
 
@@ -64,12 +66,13 @@ def _darkness(x: FloatArray, z: FloatArray, bone: tuple[FloatArray, FloatArray],
     (a, b) = (end[[0, 2]] + _LEAN * max(end[1], 0.0) for end in bone)
     along = b - a
     length2 = float(along @ along)
+    length3 = float((bone[1] - bone[0]) @ (bone[1] - bone[0]))
     t = ((x - a[0]) * along[0] + (z - a[1]) * along[1]) / length2 if length2 > 1e-12 else np.zeros_like(x + z)
     t = np.clip(t, 0.0, 1.0)
     away2 = (x - a[0] - t * along[0]) ** 2 + (z - a[1] - t * along[1]) ** 2
     height = np.maximum(bone[0][1] + t * (bone[1][1] - bone[0][1]), 0.0)
-    width = 0.030 * stature + 0.16 * height
-    strength = 0.62 * (0.03 * stature / width) ** 0.75
+    width = _WIDTH_NEAR * stature + _WIDTH_PER_M * height
+    strength = 0.55 * (_WIDTH_NEAR * stature / width) * min(1.0, 8.0 * np.sqrt(length3) / stature)
     return np.asarray(strength * np.exp(-away2 / (width * width)))
 
 

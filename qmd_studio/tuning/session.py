@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import time
+from functools import cached_property
 
 import numpy as np
 
+from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd import container, payload
-from qmd_studio.codecs.qmd.encode import EncodedMatrix, encode_matrix
+from qmd_studio.codecs.qmd.decode import decode_payload
+from qmd_studio.codecs.qmd.encode import encode_matrix
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.codecs.qmd.size import SizeBreakdown, payload_size
 from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
-from qmd_studio.codecs.qmd.units import codec_matrix, motion_matrix
-from qmd_studio.motion.metrics import measure
-from qmd_studio.motion.motion import Motion
+from qmd_studio.codecs.qmd.units import codec_matrix, column_scales, motion_matrix
+from qmd_studio.motion.metrics import MotionError
+from qmd_studio.motion.motion import ASF_UNIT_M, Motion
 from qmd_studio.tuning.report import EncodeReport
 
 
@@ -29,6 +32,7 @@ class TuningSession:
         self._matrix = codec_matrix(motion)
         self._levels = np.array(motion.skeleton.levels, dtype=np.int64)
         self._block = pack_skeleton_block(motion)
+        self._lengths = np.flatnonzero(column_scales(motion.skeleton) != 1.0)
 
     @property
     def skeleton_bytes(self) -> int:
@@ -50,23 +54,34 @@ class TuningSession:
         started = time.perf_counter()
         settings = self._checked(settings)
         encoded = encode_matrix(self._matrix, self._levels, settings)
-        decoded = self._decoded(encoded)
-        error = measure(self.motion, decoded)
+        error = self._measured(encoded.decoded)
+        contents = encoded.payload
         return EncodeReport(
             settings=settings,
             size=self.size(settings),
             file_bytes=self.file_bytes(settings),
             error=error,
             seconds=time.perf_counter() - started,
-            _assemble=lambda: self._file(encoded, settings),
-            _decode=lambda: decoded,
+            _assemble=lambda: container.build(payload.pack(contents), self._block, self.motion.fps, settings),
+            _decode=lambda: self.motion.with_values(motion_matrix(decode_payload(contents), self.motion.skeleton)),
         )
 
     def _checked(self, settings: QmdSettings) -> QmdSettings:
         return settings.checked(self.motion.skeleton.n_columns, self.motion.n_frames - 1)
 
-    def _file(self, encoded: EncodedMatrix, settings: QmdSettings) -> bytes:
-        return container.build(payload.pack(encoded.payload), self._block, self.motion.fps, settings)
+    @cached_property
+    def _positions(self) -> Float32Array:
+        """Where the measured points of the original are, (3 * n_points, n_frames) metres."""
+        from qmd_studio.motion.fast_kinematics import columns_first, point_positions_32
 
-    def _decoded(self, encoded: EncodedMatrix) -> Motion:
-        return self.motion.with_values(motion_matrix(encoded.decoded.T, self.motion.skeleton))
+        return point_positions_32(self.motion.skeleton, columns_first(self.motion.X))
+
+    def _measured(self, decoded: Float32Array) -> MotionError:
+        """Measure `decoded` (n_columns, n_frames), radians and ASF units, against the original."""
+        from qmd_studio.motion.fast_kinematics import point_positions_32  # compiled code, loaded where it is needed
+        from qmd_studio.motion.fast_metrics import measure_positions
+
+        metres = decoded.copy()
+        metres[self._lengths] *= np.float32(ASF_UNIT_M)
+        positions = point_positions_32(self.motion.skeleton, metres)
+        return measure_positions(self.motion.skeleton, self._positions, positions, fps=self.motion.fps)

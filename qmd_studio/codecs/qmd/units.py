@@ -41,5 +41,6 @@ _LARGEST = 1e30
 
 def motion_matrix(decoded: Float32Array, skeleton: Skeleton) -> FloatArray:
     """Return X (n_frames, n_columns) in radians and metres for `decoded`, the same in the units of a file."""
-    X = np.empty(decoded.shape)
-    return np.multiply(decoded, column_scales(skeleton), out=X)
+    X = decoded.astype(np.float64)
+    X *= column_scales(skeleton)
+    return X
