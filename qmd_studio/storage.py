@@ -6,6 +6,7 @@ import contextlib
 import os
 import secrets
 from pathlib import Path
+from typing import BinaryIO
 
 from qmd_studio.errors import StorageError
 
@@ -21,7 +22,7 @@ def read_bytes(path: Path | str, *, limit: int = MAX_FILE_BYTES) -> bytes:
     path = Path(path)
     try:
         with path.open("rb") as stream:
-            data = stream.read(limit + 1)
+            data = _read_at_most(stream, limit + 1)
     except OSError as problem:
         raise StorageError(
             _reason(problem), path=path, hint="Check the name and that you may read the file"
@@ -53,6 +54,15 @@ def write_atomic(path: Path | str, data: bytes) -> None:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def _read_at_most(stream: BinaryIO, count: int) -> bytes:
+    """Return up to `count` bytes, taking memory for what is there rather than for `count`, as one `read` would."""
+    pieces: list[bytes] = []
+    while count > 0 and (piece := stream.read(min(count, 1 << 22))):
+        pieces.append(piece)
+        count -= len(piece)
+    return b"".join(pieces)
 
 
 def _mode_of(target: Path) -> int | None:

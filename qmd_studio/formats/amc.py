@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
+from qmd_studio.formats.asf_parse import LARGEST
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import ColumnKind, SkeletonKind
 
@@ -52,7 +53,7 @@ def parse_amc(data: bytes) -> Amc:
 
 def _parse_regular(body: bytes, line: int, degrees: bool | None) -> Amc | None:
     """Parse frames that all look like the first, column by column; None where they don't, or anything is amiss."""
-    second = _FRAME.search(body, body.find(b"\n") + 1)
+    second = _FRAME.search(body, len(body.split(b"\n", 1)[0]))
     rows = [row.split() for row in body[: second.start() if second else len(body)].split(b"\n")]
     width = sum(len(row) for row in rows)
     words = body.split()
@@ -86,7 +87,7 @@ def _columns(words: list[bytes], columns: list[int], width: int) -> FloatArray |
     except ValueError:
         return None
     underscored = any(b"_" in word for column in columns for word in words[column::width])  # float() takes "1_0"
-    return values if np.isfinite(values).all() and not underscored else None
+    return values if (np.abs(values) <= LARGEST).all() and not underscored else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +128,11 @@ def _split(body: bytes, line: int) -> list[_Frame]:
 
 
 def _is_cut_off(frame: _Frame, layout: _Layout) -> bool:
-    """Return whether the frame's lines are right but for the last one, after which some are missing."""
-    try:
-        _values(frame, layout)
-    except FormatError:
-        read = {_read_row(row, layout)[0] for row in frame.rows[:-1]}
-        return next(reversed(layout), "") not in read
-    return False
+    """Return whether the frame's lines are right, but for the last one perhaps, and the last bone is missing."""
+    names = [_read_row(row, layout)[0] for row in frame.rows[:-1]]
+    with suppress(FormatError):  # a line cut in two
+        names += [_read_row(row, layout)[0] for row in frame.rows[-1:]]
+    return len(set(names)) == len(names) and next(reversed(layout), None) not in names
 
 
 def _values(frame: _Frame, layout: _Layout) -> list[float]:
@@ -161,7 +160,7 @@ def _read_row(row: tuple[int, list[bytes]], layout: _Layout) -> tuple[str, list[
         raise FormatError(f"{name} has another number of values than before", at=f"line {line}", wanted=wanted, got=got)
     values = [_number(word) for word in words[1:]]
     for word, value in zip(words[1:], values, strict=True):
-        if not math.isfinite(value):
+        if not abs(value) <= LARGEST:
             got = _text(word)[:40]
             raise FormatError(f"a value of {name} cannot be used", at=f"line {line}", wanted="a finite number", got=got)
     return name, values
@@ -169,9 +168,9 @@ def _read_row(row: tuple[int, list[bytes]], layout: _Layout) -> tuple[str, list[
 
 def _number(word: bytes) -> float:
     try:
-        return math.nan if b"_" in word else float(word)
+        return np.nan if b"_" in word else float(word)
     except ValueError:
-        return math.nan
+        return np.nan
 
 
 def _gaps(numbers: list[int]) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
+from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_parse import Asf, Bone, parse_asf
 from qmd_studio.formats.asf_write import INCH_M, write_asf
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
@@ -117,6 +118,8 @@ def _columns(asf: Asf, column_bones: Sequence[str], depth: dict[str, int], unit:
 
 def _length_unit(asf: Asf, given: float | None) -> tuple[float, tuple[str, ...]]:
     """Return metres per file unit: given, stated in the file, by the ASF rule, or the usual unit that fits a person."""
+    if given is not None and not 1e-6 <= given <= 1e6:
+        raise FormatError("the length unit cannot be used", wanted="metres per unit of the file", got=f"{given:g}")
     for stated in (given, asf.metres_per_unit):
         if stated is not None:
             return stated, ()
@@ -156,7 +159,8 @@ def read_asf(data: bytes, options: ReadOptions) -> Loaded:
     """Read an ASF alone: its skeleton, and one frame of it at rest."""
     skeleton, notes = skeleton_of(parse_asf(data), metres_per_unit=options.metres_per_unit)
     rest: FloatArray = np.zeros((1, skeleton.n_columns))
-    motion = Motion(skeleton, rest, options.fps or REST_FPS, name=options.path.stem if options.path else "")
+    fps = REST_FPS if options.fps is None else options.fps
+    motion = Motion(skeleton, rest, fps, name=options.path.stem if options.path else "")
     return Loaded(skeleton, motion, notes=(*notes, "A skeleton alone, shown at rest"))
 
 

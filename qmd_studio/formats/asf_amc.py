@@ -38,7 +38,8 @@ def read_amc(data: bytes, options: ReadOptions) -> Loaded:
     turns = np.array([column.kind is ColumnKind.ROTATION for column in skeleton.columns])
     degrees = asf.degrees if amc.degrees is None else amc.degrees
     X = amc.values * np.where(turns, np.pi / 180 if degrees else 1.0, skeleton.metres_per_unit)
-    motion = Motion(skeleton, X, options.fps or AMC_FPS, name=_name(options))
+    fps = AMC_FPS if options.fps is None else options.fps
+    motion = Motion(skeleton, X, fps, name=options.path.stem if options.path else "")
     notes += (f"Skeleton from {asf_path.name}",)
     if options.fps is None:
         notes += (f"An AMC does not say its frame rate; taken as {AMC_FPS:g} fps",)
@@ -102,10 +103,6 @@ def _check_fit(amc: Amc, asf: Asf, asf_path: Path) -> None:
             got=str(sum(count for _, count, _ in amc.bones)),
             hint=hint,
         )
-
-
-def _name(options: ReadOptions) -> str:
-    return options.path.stem if options.path else ""
 
 
 def _sniff(head: bytes) -> bool:

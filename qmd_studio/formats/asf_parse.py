@@ -16,7 +16,9 @@ from qmd_studio.motion.rotation import euler_matrix
 UNIT_COMMENT = "metres-per-unit"
 """A comment of our own files that says the length unit outright, where other files leave it to be guessed."""
 _UNIT_LINE = re.compile(rb"^#\s*" + UNIT_COMMENT.encode() + rb"\s+([0-9.eE+-]{1,30})\s*$", re.MULTILINE)
-_LARGEST = 1e9  # of any length or angle: beyond it arithmetic on poses overflows
+LARGEST = 1e9
+"""The largest length or angle that is taken: beyond it arithmetic on poses in single precision breaks down."""
+
 _DOFS = ("tx", "ty", "tz", "rx", "ry", "rz")
 _Row = tuple[int, list[str]]
 _NO_ROW: _Row = (0, [])
@@ -212,7 +214,7 @@ def _numbers(row: _Row, count: int, *, infinite: bool = False) -> list[float]:
             number = float(word)
         except ValueError:
             number = math.nan
-        if math.isnan(number) or (abs(number) > _LARGEST and not (infinite and math.isinf(number))):
+        if math.isnan(number) or (abs(number) > LARGEST and not (infinite and math.isinf(number))):
             raise FormatError("a number cannot be used", at=f"line {line}", wanted="a finite number", got=word[:40])
         numbers.append(number)
     return numbers
@@ -252,7 +254,8 @@ def _parents_first(bones: dict[str, Bone], parents: dict[str, str]) -> list[str]
         order.append(name)
         waiting.extend(reversed(children.get(name, [])))
     if len(order) < len(bones):
-        lost = next(name for name in bones if name not in set(order))
+        reached = set(order)
+        lost = next(name for name in bones if name not in reached)
         raise FormatError(
             "a bone does not hang from the root",
             at=f"line {bones[lost].line}",

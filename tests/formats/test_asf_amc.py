@@ -1,10 +1,11 @@
 """Acclaim files: what opens stands where the bones say, what is written reads back equal, what is amiss is named."""
 
-import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
 
 from qmd_studio import registry
 from qmd_studio.errors import FormatError
@@ -13,9 +14,10 @@ from qmd_studio.formats.asf import read_asf
 from qmd_studio.formats.asf_amc import FORMAT, companion, read_amc
 from qmd_studio.formats.loaded import Loaded, ReadOptions
 from qmd_studio.motion.kinematics import point_positions
-
-CORPUS = Path(os.environ.get("QMD_CORPUS", Path(__file__).parents[2] / ".." / "shared" / "corpus"))
-needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus of real motions is absent (QMD_CORPUS)")
+from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.skeleton import SkeletonKind
+from tests.corpus import corpus_file, corpus_files
+from tests.formats.damage import assert_ends_well, assert_every_prefix_ends_well, damaged
 
 ASF = b"""# a leg
 :version 1.10
@@ -80,13 +82,9 @@ def opened(tmp_path: Path, amc: bytes = AMC, asf: bytes = ASF, **options) -> Loa
     return read_amc(amc, ReadOptions(path=tmp_path / "leg.amc", **options))
 
 
-def corpus_amcs() -> list[Path]:
-    return sorted(CORPUS.glob("*asfamc/*.amc")) + sorted(CORPUS.glob("cmu_derived/*.amc"))
-
-
 def open_real(path: Path) -> Loaded:
-    derived = CORPUS / "cmu_asfamc" / "02.asf" if path.parent.name == "cmu_derived" else None
-    return read_amc(path.read_bytes(), ReadOptions(path=path, skeleton=derived))
+    given = corpus_file("cmu_asfamc/02.asf") if path.parent.name == "cmu_derived" else None
+    return registry.open_file(path, ReadOptions(skeleton=given))
 
 
 def test_columns_keep_the_order_of_the_amc_with_levels_by_depth(tmp_path):
@@ -113,9 +111,8 @@ def test_frame_rate_is_120_unless_said_otherwise(tmp_path):
     assert opened(tmp_path, fps=30.0).motion.fps == 30
 
 
-@needs_corpus
 @pytest.mark.corpus
-@pytest.mark.parametrize("path", corpus_amcs(), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", corpus_files("*/*.amc"))
 def test_every_real_motion_opens_and_survives_writing(path, tmp_path):
     loaded = open_real(path)
     motion = loaded.motion
@@ -132,18 +129,16 @@ def test_every_real_motion_opens_and_survives_writing(path, tmp_path):
     assert again.skeleton.point_names == motion.skeleton.point_names
 
 
-@needs_corpus
 @pytest.mark.corpus
 def test_cut_off_last_frame_is_left_out_with_its_line_and_count():
-    loaded = open_real(CORPUS / "cmu_asfamc" / "07_12.amc")
+    loaded = open_real(corpus_file("cmu_asfamc/07_12.amc"))
     assert loaded.motion.n_frames == 244
     assert loaded.warnings == ("Line 7352: the last frame, number 245, has 61 of 62 values and was left out",)
 
 
-@needs_corpus
 @pytest.mark.corpus
 def test_cmu_motion_has_62_columns_31_points_and_the_papers_unit():
-    loaded = open_real(CORPUS / "cmu_asfamc" / "02_01.amc")
+    loaded = open_real(corpus_file("cmu_asfamc/02_01.amc"))
     assert loaded.motion.X.shape == (343, 62)
     assert len(loaded.skeleton.points) == 31
     assert loaded.skeleton.metres_per_unit == pytest.approx(0.056444, abs=1e-6)
@@ -177,3 +172,186 @@ def test_saving_a_motion_puts_its_skeleton_beside_it_once(tmp_path):
     (out / "copy.asf").write_bytes(ASF)
     registry.save_motion(out / "copy.amc", motion)
     assert (out / "copy.asf").read_bytes() == ASF
+
+
+def test_line_ends_comments_and_radians_do_not_matter(tmp_path):
+    plain = opened(tmp_path).motion
+    for changed in (
+        AMC.replace(b"\n", b"\r\n"),
+        AMC.replace(b"\n", b"\r"),
+        b"\xef\xbb\xbf" + AMC,
+        AMC.replace(b"\n2\n", b" # the end of it\n\n# next\n2\n"),
+    ):
+        again = opened(tmp_path, changed).motion
+        np.testing.assert_array_equal(again.X, plain.X)
+    turned = AMC.replace(b":DEGREES", b":RADIANS").replace(b"thigh 30", b"thigh 0.5")
+    assert opened(tmp_path, turned).motion.X[1, 7] == 0.5
+
+
+def test_bones_may_change_their_order_from_frame_to_frame(tmp_path):
+    shuffled = AMC.replace(b"back -5\nthigh 30 0", b"thigh 30 0\nback -5")
+    np.testing.assert_array_equal(opened(tmp_path, shuffled).motion.X, opened(tmp_path).motion.X)
+
+
+@pytest.mark.parametrize(
+    ("amc", "line", "words"),
+    [
+        (AMC.replace(b"back ", b"neck "), 6, "bone neck"),
+        (AMC.replace(b"back 5", b"back 5 6").replace(b"back -5", b"back -5 6"), 6, "1 values"),
+        (AMC.replace(b"back 5\n", b"").replace(b"back -5\n", b""), 6, "no line for back"),
+        (AMC.replace(b"back 5", b"back five"), 6, "five"),
+        (AMC.replace(b"back -5", b"back nan") + b"3\nroot 0 0 0 0 0 0\n", 10, "nan"),
+        (AMC.replace(b"back -5", b"back 1_0"), 10, "1_0"),
+        (AMC.replace(b"root 1 10", b"root 1e300 10"), 9, "1e300"),
+        (AMC.replace(b"back -5\n", b"") + AMC[AMC.index(b"2\n") :], 10, "frame 2 has no line for back"),
+        (AMC.replace(b"thigh 0 0", b"thigh 0"), 7, "1"),
+        (AMC.replace(b"back -5", b"back -5\nback -5"), 11, "twice"),
+        (AMC.replace(b"back -5", b"spine -5"), 10, "spine"),
+    ],
+)
+def test_mismatch_is_an_error_with_its_line(tmp_path, amc, line, words):
+    with pytest.raises(FormatError) as caught:
+        opened(tmp_path, amc)
+    assert caught.value.at == f"line {line}"
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("lost", [1, 4, 5, 8, 11, 14, 20, 30, 35])
+def test_cut_off_last_frame_leaves_the_frames_before(tmp_path, lost):
+    loaded = opened(tmp_path, AMC[:-lost])
+    if lost > 3:
+        assert loaded.motion.n_frames == 1
+        assert "left out" in loaded.warnings[0]
+
+
+def test_jump_in_frame_numbers_is_a_warning(tmp_path):
+    loaded = opened(tmp_path, AMC.replace(b"\n2\n", b"\n12\n"))
+    assert loaded.motion.n_frames == 2
+    assert "1 is followed by 12" in loaded.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("asf", "words"),
+    [
+        (ASF.replace(b"    hip thigh\n", b"    thigh hip\n    hip thigh\n"), "two parents"),
+        (ASF.replace(b"root hip back", b"root back"), "does not hang from the root"),
+        (ASF.replace(b"root hip back", b"root back\n    thigh hip"), "does not hang from the root"),
+        (ASF.replace(b"hip thigh\n", b"hip thigh tail\n"), "unknown bone"),
+        (ASF.replace(b"hip thigh\n", b"hip thigh root\n"), "two parents"),
+        (ASF.replace(b"name thigh", b"name hip"), "defined twice"),
+        (ASF.replace(b"length 8", b"length nan"), "cannot be used"),
+        (ASF.replace(b"length 0.45", b"length 0"), "not positive"),
+        (ASF.replace(b"direction 0 -1 0", b"direction 0 -1"), "missing"),
+        (ASF.replace(b"dof rx rz", b"dof rx rx"), "degree of freedom"),
+        (ASF.replace(b"dof rx rz", b"dof rx l"), "degree of freedom"),
+        (ASF.replace(b"90 XYZ", b"90 XYX"), "order of axes"),
+        (ASF.replace(b"angle deg", b"angle grad"), "angle unit"),
+        (ASF[: ASF.index(b":hierarchy")], "lacks a section"),
+    ],
+)
+def test_broken_skeleton_is_an_error_that_names_its_file(tmp_path, asf, words):
+    with pytest.raises(FormatError, match=words) as caught:
+        opened(tmp_path, asf=asf)
+    assert caught.value.path == tmp_path / "leg.asf"
+
+
+def test_skeleton_is_found_by_name_then_subject_then_alone(tmp_path):
+    def found(*names):
+        folder = tmp_path / "-".join(names)
+        folder.mkdir()
+        for name in names:
+            (folder / name).write_bytes(ASF)
+        (folder / "02_01.amc").write_bytes(AMC)
+        return registry.open_file(folder / "02_01.amc").notes[0]
+
+    assert found("02_01.asf", "02.asf", "other.asf") == "Skeleton from 02_01.asf"
+    assert found("02.ASF", "other.asf") == "Skeleton from 02.ASF"
+    assert found("other.asf") == "Skeleton from other.asf"
+    with pytest.raises(FormatError, match=r"2 \.asf files of other names"):
+        found("one.asf", "two.asf")
+
+
+def test_length_unit_is_the_one_that_makes_a_person(tmp_path):
+    by_rule = opened(tmp_path)
+    assert by_rule.skeleton.metres_per_unit == pytest.approx(0.0254 / 0.45)
+    metres = ASF.replace(b"length 0.45", b"length 0.01").replace(b"length 8", b"length 0.8").replace(b"h 12", b"h 0.8")
+    guessed = opened(tmp_path, asf=metres.replace(b"length 2", b"length 0.2"))
+    assert guessed.skeleton.metres_per_unit == 1.0
+    assert "metre" in guessed.notes[0]
+    assert opened(tmp_path, metres_per_unit=0.5).skeleton.metres_per_unit == 0.5
+    with pytest.raises(FormatError):
+        opened(tmp_path, metres_per_unit=-1.0)
+
+
+def test_written_skeleton_keeps_frames_limits_and_unit(tmp_path):
+    odd = ASF.replace(b"axis 0 0 90 XYZ", b"axis 20 -90 35 ZXY").replace(b"dof rx rz", b"dof rz rx")
+    amc = AMC.replace(b"thigh 30 0", b"thigh 30 -40")
+    motion = opened(tmp_path, amc, odd, metres_per_unit=0.031).motion
+    (tmp_path / "leg.asf").unlink()
+    registry.save_motion(tmp_path / "leg.amc", motion)
+    again = registry.open_file(tmp_path / "leg.amc").motion
+    assert again.skeleton.metres_per_unit == 0.031
+    assert again.skeleton.points == motion.skeleton.points
+    for ours, theirs in zip(motion.skeleton.columns, again.skeleton.columns, strict=True):
+        assert (theirs.name, theirs.joint, theirs.axis, theirs.level) == (ours.name, ours.joint, ours.axis, ours.level)
+        assert theirs.limits == (pytest.approx(ours.limits) if ours.limits else None)
+    wanted, got = (point_positions(m.skeleton, m.X) for m in (motion, again))
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-9)
+
+
+def test_other_skeletons_are_not_written_as_acclaim(tmp_path):
+    motion = opened(tmp_path).motion
+    other = Motion(replace(motion.skeleton, kind=SkeletonKind.BVH), motion.X, 30.0)
+    with pytest.raises(FormatError, match="retargeted"):
+        registry.save_motion(tmp_path / "x.amc", other)
+    with pytest.raises(FormatError, match="retargeted"):
+        registry.save_motion(tmp_path / "x.asf", other)
+    assert not list(tmp_path.glob("x.*"))
+
+
+def test_every_prefix_of_motion_and_skeleton_ends_well(tmp_path):
+    (tmp_path / "leg.asf").write_bytes(ASF)
+    options = ReadOptions(path=tmp_path / "leg.amc")
+    assert_every_prefix_ends_well(lambda data: read_amc(data, options), AMC)
+    assert_every_prefix_ends_well(lambda data: read_asf(data, ReadOptions()), ASF)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(amc=damaged(AMC))
+def test_damaged_motion_ends_well(tmp_path, amc):
+    (tmp_path / "leg.asf").write_bytes(ASF)
+    assert_ends_well(lambda data: read_amc(data, ReadOptions(path=tmp_path / "leg.amc")), amc)
+
+
+@settings(max_examples=150, deadline=None)
+@given(asf=damaged(ASF))
+def test_damaged_skeleton_ends_well(asf):
+    def read(data):
+        loaded = read_asf(data, ReadOptions())
+        assert np.isfinite(point_positions(loaded.skeleton, loaded.motion.X)).all()
+
+    assert_ends_well(read, asf)
+
+
+@pytest.mark.parametrize(
+    "amc",
+    [
+        b"1\n" * 32_000,
+        b"1\nroot" + b" 1" * 30_000,
+        b"1\n" + b"".join(b"b%d 1\n" % k for k in range(8_000)),
+        b"1\nroot 1\n" * 6_000 + b"9" * 5_000,
+        b"1\nroot " + b"9" * 60_000,
+    ],
+)
+def test_absurd_motions_end_well(tmp_path, amc):
+    (tmp_path / "leg.asf").write_bytes(ASF)
+    problem = assert_ends_well(lambda data: read_amc(data, ReadOptions(path=tmp_path / "leg.amc")), amc)
+    assert isinstance(problem, FormatError)
+
+
+def test_long_chain_of_bones_ends_well():
+    bones = b"".join(b"begin\nname %d\ndirection 1 0 0\nlength 1\nend\n" % k for k in range(1_000))
+    chain = b"".join(b"%d %d\n" % (k, k + 1) for k in range(999))
+    asf = b":root\n:bonedata\n" + bones + b":hierarchy\nroot 0\n" + chain
+    loaded = assert_ends_well(lambda data: read_asf(data, ReadOptions()), asf)
+    assert len(loaded.skeleton.joints) == 1_001
