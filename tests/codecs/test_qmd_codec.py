@@ -111,8 +111,18 @@ def test_decode_by_a_stranger_s_decoder_gives_the_same_motion(encoder, fdf, bits
     assert encoded.size.bytes + 64 + encoded.skeleton_bytes == len(encoded.data)
 
 
-def test_decode_gives_the_very_motion_that_encode_reports():
-    motion = short_walk()
+@pytest.mark.parametrize("encoder", Encoder)
+@pytest.mark.parametrize("n_frames", [40, 1500], ids=["a short motion", "one long enough for compiled code"])
+def test_decode_gives_the_rows_of_the_plain_twin(encoder, n_frames):
+    motion = walker(n_frames)
+    chosen = QmdSettings(segment=700, bits=9, encoder=encoder).checked(62, n_frames - 1)
+    contents, rows = encode_plainly(codec_matrix(motion), np.array(motion.skeleton.levels), chosen)
+    assert np.array_equal(decode_payload(payload.unpack(memoryview(payload.pack(contents)))), rows)
+
+
+@pytest.mark.parametrize("n_frames", [40, 1500])
+def test_decode_gives_the_very_motion_that_encode_reports(n_frames):
+    motion = walker(n_frames)
     encoded = encode(motion, CLOSED)
     decoded = decode(encoded.data)
     assert decoded.skeleton == motion.skeleton

@@ -6,12 +6,15 @@ import numpy as np
 
 from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd import container
-from qmd_studio.codecs.qmd.payload import Payload, unpack
+from qmd_studio.codecs.qmd.payload import Payload, Segment, unpack
 from qmd_studio.codecs.qmd.skeleton_block import SkeletonBlock, unpack_skeleton_block
 from qmd_studio.codecs.qmd.units import motion_matrix
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
+
+_SMALL = 1 << 16
+"""Up to this many values a motion is decoded before the compiled code would have been loaded."""
 
 
 def decode(data: bytes, skeleton: Skeleton | None = None) -> Motion:
@@ -40,18 +43,38 @@ def decode_payload(contents: Payload) -> Float32Array:
     Each value is the one before it plus an exact difference or a table entry, in float32, one after another: the
     encoder counts on exactly this arithmetic. Raises `FormatError` where the sums leave float32's range.
     """
-    from qmd_studio.codecs.qmd.kernels import accumulate  # compiled code, loaded where it is first needed
-
     decoded = np.empty((contents.n_rows + 1, len(contents.pose)), np.float32)
     decoded[0] = contents.pose
-    row = 0
-    for segment in contents.segments:
-        rows = decoded[row + 1 : row + 1 + segment.n_rows]
-        accumulate(segment.table, decoded[row], segment.exact, segment.indices, rows)
-        row += segment.n_rows
+    if decoded.size <= _SMALL:
+        _add_up(contents.segments, decoded)
+    else:
+        _add_up_compiled(contents.segments, decoded)
     if not np.isfinite(decoded[-1]).all():  # a sum that has left the range never comes back
         raise FormatError("the motion leaves the range of float32", hint="The file's table is not that of a motion")
     return decoded
+
+
+def _add_up(segments: tuple[Segment, ...], decoded: Float32Array) -> None:
+    """Fill in all rows of `decoded` after the first."""
+    row = 1
+    for segment in segments:
+        rows = decoded[row : row + segment.n_rows]
+        rows[:, : segment.fdf] = segment.exact
+        rows[:, segment.fdf :] = segment.table[segment.indices]
+        row += segment.n_rows
+    with np.errstate(over="ignore", invalid="ignore"):  # looked for afterwards
+        np.add.accumulate(decoded, axis=0, out=decoded)
+
+
+def _add_up_compiled(segments: tuple[Segment, ...], decoded: Float32Array) -> None:
+    """Do what `_add_up` does, to the last bit, several times as fast."""
+    from qmd_studio.codecs.qmd.kernels import accumulate  # compiled code, loaded where it is first needed
+
+    row = 0
+    for segment in segments:
+        rows = decoded[row + 1 : row + 1 + segment.n_rows]
+        accumulate(segment.table, decoded[row], segment.exact, segment.indices, rows)
+        row += segment.n_rows
 
 
 def _block_of(parts: container.Container, contents: Payload, skeleton: Skeleton | None) -> SkeletonBlock:

@@ -99,7 +99,9 @@ def _encode_closed_loop(matrix: Float32Array, settings: QmdSettings) -> EncodedM
         table = tables.companded_table(np.diff(part[:, fdf:], axis=0), bits=bits)
         exact = np.empty((n_rows, fdf), np.float32)
         indices = payload.as_indices(np.empty((n_rows, n_columns - fdf), np.int64), bits)
-        closed_loop(part, table, tables.middles(table), pose, exact, indices, decoded[:, rows.start + 1 : rows.stop])
+        if n_rows:
+            there = decoded[:, rows.start + 1 : rows.stop]
+            closed_loop(part, table, tables.middles(table), pose, exact, indices, there)
         segments.append(Segment(bits, table, exact, indices))
     return EncodedMatrix(Payload(matrix[0], tuple(segments)), decoded)
 

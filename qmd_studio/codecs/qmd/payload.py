@@ -78,7 +78,7 @@ def pack(payload: Payload) -> bytes:
 
 
 def unpack(data: memoryview) -> Payload:
-    """Take a payload apart into views of `data`; nothing is allocated by a count that the bytes do not bear out.
+    """Take a payload apart; nothing is allocated by a count that the bytes do not bear out.
 
     Raises `FormatError`, naming the byte of the file, for counts out of range, parts that end early, segments that
     disagree on m, and values that are not finite.
@@ -137,8 +137,8 @@ def _array(data: memoryview, at: int, shape: tuple[int, ...], what: str, kind: s
         raise _bad(at, f"the {what} ends early", f"{size} bytes", len(data) - at)
     if not count:
         return np.empty(shape, kind), at
-    # The paper's 13-byte header leaves what follows off its natural boundary, where kernels cannot read it.
-    return np.require(np.frombuffer(data, kind, count, at), requirements="A").reshape(shape), at + size
+    # A copy: the paper's 13-byte header leaves what follows off its natural boundary, where kernels cannot read it.
+    return np.frombuffer(data, kind, count, at).copy().reshape(shape), at + size
 
 
 def _little_endian(values: NDArray[np.generic], kind: str) -> bytes:

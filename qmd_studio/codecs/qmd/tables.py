@@ -16,6 +16,9 @@ _WIDEST_HISTOGRAM = 1 << 20
 _LARGEST_SHARE = 4
 """The density is estimated over intervals that hold about 1 / (4 * 2^b) of the values each."""
 
+_MOST_INTERVALS = 1 << 14
+"""More intervals than this buy a large table a tenth less error at twice the time."""
+
 
 def equal_frequency_buckets(differences: Float32Array, *, bits: int, rqt: int) -> IntArray:
     """Return the bucket 0 to 2^bits - 1 of each difference, in the shape given (the paper, section 3.1).
@@ -98,7 +101,7 @@ def middles(table: Float32Array) -> Float32Array:
 
 def _intervals(ordered: Float32Array, n_levels: int) -> tuple[FloatArray, FloatArray]:
     """Return the edges (k + 1,) of intervals that each hold about as many of the values, and how many each holds."""
-    n_intervals = min(len(ordered), _LARGEST_SHARE * n_levels)
+    n_intervals = min(len(ordered), _LARGEST_SHARE * n_levels, _MOST_INTERVALS)
     ranks = np.arange(n_intervals + 1) * (len(ordered) - 1) // n_intervals
     edges = ordered[ranks].astype(np.float64)
     new = np.concatenate([[True], edges[1:] != edges[:-1]])  # what np.unique does, had it known that they are in order
