@@ -44,7 +44,7 @@ class ErrorStrip(QWidget):
     """Draws the largest error of any point in each frame against an axis that starts at zero, or a logarithmic one.
 
     A click goes to that frame. `go_to_next` and `go_to_previous` go along the worst frames (N and Shift+N here too).
-    Frames stand over those of the ruler, as long as both are equally wide.
+    `set_span` puts its frames over those of a ruler; until then they leave the ruler's margin free.
     """
 
     went = Signal(int)
@@ -56,6 +56,7 @@ class ErrorStrip(QWidget):
         self._error: FloatArray | None = None
         self._worst = worst_frames(np.zeros(1), min_gap=1)
         self._logarithmic = False
+        self._span: tuple[float, float] | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAccessibleName(self.tr("Error per frame"))
@@ -92,6 +93,11 @@ class ErrorStrip(QWidget):
         self._error = None
         self._worst = self._worst[:0]
         self.setAccessibleDescription("")
+        self.update()
+
+    def set_span(self, first_x: float, last_x: float) -> None:
+        """Put the first frame at x = `first_x` and the last at `last_x`, in pixels of this widget."""
+        self._span = (first_x, last_x)
         self.update()
 
     def frame_at(self, x: float) -> int:
@@ -243,6 +249,8 @@ class ErrorStrip(QWidget):
         self.update()
 
     def _ends(self) -> tuple[float, float]:
+        if self._span is not None:
+            return self._span
         return float(MARGIN), float(max(self.width() - MARGIN, MARGIN + 1))
 
     def _vertical(self) -> tuple[float, float]:
