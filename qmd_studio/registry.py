@@ -27,6 +27,7 @@ FORMAT_MODULES: tuple[str, ...] = (
     "qmd_studio.formats.bap_text",
     "qmd_studio.formats.csv_text",
     "qmd_studio.formats.npz",
+    "qmd_studio.formats.x3d",
 )
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
 
