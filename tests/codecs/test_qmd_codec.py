@@ -1,6 +1,7 @@
 """Motions to QMD files and back: the paper's errors, the closed loop's, the edges of the settings, and two twins."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -229,3 +230,18 @@ def test_open_file_of_a_saved_motion_plays_it(tmp_path):
     loaded = open_file(tmp_path / "walk.qmd")
     assert loaded.skeleton == motion.skeleton
     np.testing.assert_allclose(loaded.motion.X, motion.X, atol=0.02)
+
+
+def test_encode_of_a_skeleton_that_no_reader_would_take_is_refused():
+    motion = short_walk()
+    endless = replace(motion.skeleton, name="x" * (1 << 20))
+    with pytest.raises(CodecError, match="too large"):
+        encode(replace(motion, skeleton=endless))
+    assert decode(encode(replace(motion, skeleton=endless), with_skeleton=False).data, endless).n_frames == 40
+
+
+def test_decode_of_a_mask_that_turns_over_at_every_value_keeps_it():
+    skeleton = bap_skeleton()
+    X = np.zeros((60, skeleton.n_columns))
+    mask = np.indices(X.shape).sum(axis=0) % 2 == 0
+    assert np.array_equal(decode(encode(Motion(skeleton, X, 25.0, "flicker", mask)).data).mask, mask)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from qmd_studio.arrays import BoolArray
-from qmd_studio.errors import FormatError
+from qmd_studio.errors import CodecError, FormatError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
 from qmd_studio.motion.skeleton_json import json_text, skeleton_from_json, skeleton_to_json
@@ -20,7 +20,9 @@ from qmd_studio.motion.skeleton_json import json_text, skeleton_from_json, skele
 _PREFIX = struct.Struct("<I")
 """The length of the inflated JSON, before the zlib stream."""
 
-_LARGEST_SKELETON = 1 << 22
+_LARGEST_SKELETON = 1 << 20
+"""Bytes of JSON: a body of a thousand columns takes a tenth of it."""
+
 _LARGEST_PER_PAYLOAD_BYTE = 8
 """A mask that flips at every value takes up to 8 characters for each, and a value at least a byte of the payload."""
 
@@ -35,10 +37,11 @@ class SkeletonBlock:
 
 
 def pack_skeleton_block(motion: Motion) -> bytes:
-    """Return the block's bytes for a motion."""
+    """Return the block's bytes for a motion; raises `CodecError` for a skeleton that readers would not take."""
     if motion.mask is None:
         return _packed_without_mask(motion.skeleton, motion.name)
-    return _deflated(_contents(motion.skeleton, motion.name) | {"mask": _flips(motion.mask)})
+    values = _contents(motion.skeleton, motion.name) | {"mask": _flips(motion.mask)}
+    return _deflated(values, _limit(payload_bytes=motion.X.size))  # no payload takes fewer bytes than it has values
 
 
 def unpack_skeleton_block(block: memoryview, *, n_frames: int, payload_bytes: int) -> SkeletonBlock:
@@ -49,8 +52,7 @@ def unpack_skeleton_block(block: memoryview, *, n_frames: int, payload_bytes: in
     """
     if len(block) < _PREFIX.size:
         raise FormatError("the skeleton block ends early", wanted=f"{_PREFIX.size} bytes", got=str(len(block)))
-    limit = _LARGEST_SKELETON + _LARGEST_PER_PAYLOAD_BYTE * payload_bytes
-    values = _inflated(bytes(block), limit)
+    values = _inflated(bytes(block), _limit(payload_bytes))
     if not isinstance(values, dict) or not isinstance(values.get("name"), str):
         raise FormatError("the skeleton block has no name", wanted="an object with name and skeleton")
     skeleton = skeleton_from_json(values.get("skeleton"))
@@ -60,7 +62,7 @@ def unpack_skeleton_block(block: memoryview, *, n_frames: int, payload_bytes: in
 
 @lru_cache(maxsize=8)
 def _packed_without_mask(skeleton: Skeleton, name: str) -> bytes:
-    return _deflated(_contents(skeleton, name))  # while a slider is dragged it stays what it was
+    return _deflated(_contents(skeleton, name), _limit(0))  # while a slider is dragged it stays what it was
 
 
 def _contents(skeleton: Skeleton, name: str) -> dict[str, Any]:
@@ -68,8 +70,19 @@ def _contents(skeleton: Skeleton, name: str) -> dict[str, Any]:
     return {"name": name, "units": units, "skeleton": skeleton_to_json(skeleton)}
 
 
-def _deflated(values: dict[str, Any]) -> bytes:
+def _limit(payload_bytes: int) -> int:
+    return _LARGEST_SKELETON + _LARGEST_PER_PAYLOAD_BYTE * payload_bytes
+
+
+def _deflated(values: dict[str, Any], limit: int) -> bytes:
     text = json_text(values).encode()
+    if len(text) > limit:
+        raise CodecError(
+            "the skeleton is too large for a QMD file",
+            wanted=f"at most {limit} bytes of JSON",
+            got=str(len(text)),
+            hint="Write the file without its skeleton block",
+        )
     return _PREFIX.pack(len(text)) + zlib.compress(text, 9)
 
 
