@@ -20,16 +20,16 @@ _EXACT = {"contract", "nnan", "ninf", "nsz"}
 
 
 @njit(cache=True, nogil=True, fastmath=_EXACT)
-def _sine_cosine(angle: _Rows, sign: float, sine: _Rows, cosine: _Rows, count: int) -> None:
-    """Fill the first `count` of `sine` and `cosine` for `sign * angle`."""
+def _sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Rows, count: int) -> None:
+    """Fill the first `count` of `sine` and `cosine` for `sign * angle[start:]`."""
     if angle.itemsize == 8:
         for t in range(count):
-            sine[t] = sign * np.sin(angle[t])
-            cosine[t] = np.cos(angle[t])
+            sine[t] = sign * np.sin(angle[start + t])
+            cosine[t] = np.cos(angle[start + t])
         return
     one, half, two = np.float32(1), np.float32(0.5), np.float32(2)
     for t in range(count):
-        x = angle[t]
+        x = angle[start + t]
         # x = turns * pi + r with |r| <= pi / 2; pi in two parts, the first short enough that its multiples are exact
         turns = np.floor(x * np.float32(0.31830987) + half)
         r = (x - turns * np.float32(3.140625)) - turns * np.float32(9.67653589793e-4)
@@ -61,13 +61,19 @@ def _turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> N
 
 
 @njit(cache=True, nogil=True, fastmath=_EXACT)
+def _copy(source: _Rows, target: _Rows, start: int, count: int) -> None:
+    """Copy the first `count` of each row of `source` to `target` from `start` on."""
+    for a in range(len(source)):
+        ours, theirs = source[a], target[a]
+        for t in range(count):
+            theirs[start + t] = ours[t]
+
+
+@njit(cache=True, nogil=True, fastmath=_EXACT)
 def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, count: int) -> None:
     """Fill the matrices (9, block) with `outer` @ `orientation`."""
     if aligned:
-        for a in range(9):
-            source, target = outer[a], matrix[a]
-            for t in range(count):
-                target[t] = source[t]
+        _copy(outer, matrix, 0, count)
         return
     for row in range(3):
         x, y, z = outer[3 * row], outer[3 * row + 1], outer[3 * row + 2]
@@ -79,14 +85,14 @@ def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, coun
 
 
 @njit(cache=True, nogil=True, fastmath=_EXACT)
-def _carry(place: _Rows, outer: _Rows, offset: _Rows, near: _Rows, count: int) -> None:
-    """Fill `place` (3, block or longer) with `near` + `outer` @ `offset` (3,)."""
+def _carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, count: int) -> None:
+    """Fill `place` (3, …) from `start` on with `near` + `outer` @ `offset` (3,)."""
     a, b, c = offset[0], offset[1], offset[2]
     for row in range(3):
         x, y, z = outer[3 * row], outer[3 * row + 1], outer[3 * row + 2]
         base, target = near[row], place[row]
         for t in range(count):
-            target[t] = base[t] + (x[t] * a + y[t] * b + z[t] * c)
+            target[start + t] = base[t] + (x[t] * a + y[t] * b + z[t] * c)
 
 
 @njit(cache=True, nogil=True, fastmath=_EXACT)
@@ -139,28 +145,29 @@ def position_kernel(  # noqa: PLR0913 - compiled code takes no record
             near = place[p] if p >= 0 else origin
             if move_start[j] < move_start[j + 1]:
                 for a in range(3):
-                    moved[a] = offset[j, a]
-                for k in range(move_start[j], move_start[j + 1]):
-                    row, values = moved[move_axis[k]], Xt[move_column[k], start : start + count]
                     for t in range(count):
-                        row[t] += move_sign[k] * values[t]
+                        moved[a, t] = offset[j, a]
+                for k in range(move_start[j], move_start[j + 1]):
+                    row, values = moved[move_axis[k]], Xt[move_column[k]]
+                    for t in range(count):
+                        row[t] += move_sign[k] * values[start + t]
                 _carry_each(place[j], outer, moved, near, count)
             elif joined[j]:
-                place[j] = near
+                _copy(near, place[j], 0, count)
             else:
-                _carry(place[j], outer, offset[j], near, count)
+                _carry(place[j], 0, outer, offset[j], near, count)
             if turns[j]:
                 _orient(outer, orientation[j], aligned[j], rotation[j], count)
                 for k in range(turn_start[j], turn_start[j + 1]):
-                    _sine_cosine(Xt[turn_column[k], start : start + count], turn_sign[k], sine, cosine, count)
+                    _sine_cosine(Xt[turn_column[k]], start, turn_sign[k], sine, cosine, count)
                     _turn(rotation[j], turn_axis[k], sine, cosine, count)
         for k in range(len(target_joint)):
             j = target_joint[k]
-            target = positions[3 * k : 3 * k + 3, start : start + count]
+            target = positions[3 * k : 3 * k + 3]
             if target_far[k]:
-                _carry(target, rotation[j], target_offset[k], place[j], count)
+                _carry(target, start, rotation[j], target_offset[k], place[j], count)
             else:
-                target[:] = place[j, :, :count]
+                _copy(place[j], target, start, count)
 
 
 @njit(cache=True, nogil=True, fastmath=_EXACT)
@@ -180,31 +187,31 @@ def pose_kernel(  # noqa: PLR0913 - compiled code takes no record
     world: _Rows,
 ) -> None:
     """Fill `world` (n_frames, n_joints, 4, 4) from X (n_frames, n_columns), frame after frame."""
-    outer, near, local = np.eye(3), np.zeros(3), np.zeros(3)
+    local = np.empty(3)
     for frame in range(len(X)):
         for j in range(len(parent)):
-            if parent[j] >= 0:
-                above = world[frame, parent[j]]
-                outer[:], near[:] = above[:3, :3], above[:3, 3]
-            else:
-                outer[:], near[:] = np.eye(3), 0.0
-            local[:] = offset[j]
+            for a in range(3):
+                local[a] = offset[j, a]
             for k in range(move_start[j], move_start[j + 1]):
                 local[move_axis[k]] += move_sign[k] * X[frame, move_column[k]]
             pose = world[frame, j]
+            above = world[frame, max(parent[j], 0)]
             for a in range(3):
-                pose[a, 3] = near[a] + outer[a, 0] * local[0] + outer[a, 1] * local[1] + outer[a, 2] * local[2]
+                if parent[j] < 0:
+                    for b in range(3):
+                        pose[a, b] = orientation[j, a, b]
+                    pose[a, 3] = local[a]
+                    continue
+                x, y, z = above[a, 0], above[a, 1], above[a, 2]
                 for b in range(3):
-                    pose[a, b] = (
-                        outer[a, 0] * orientation[j, 0, b]
-                        + outer[a, 1] * orientation[j, 1, b]
-                        + outer[a, 2] * orientation[j, 2, b]
-                    )
+                    pose[a, b] = x * orientation[j, 0, b] + y * orientation[j, 1, b] + z * orientation[j, 2, b]
+                pose[a, 3] = above[a, 3] + x * local[0] + y * local[1] + z * local[2]
             for k in range(turn_start[j], turn_start[j + 1]):
                 angle = turn_sign[k] * X[frame, turn_column[k]]
                 s, c = np.sin(angle), np.cos(angle)
                 u, v = (turn_axis[k] + 1) % 3, (turn_axis[k] + 2) % 3
                 for a in range(3):
-                    x, y = pose[a, u], pose[a, v]
-                    pose[a, u], pose[a, v] = x * c + y * s, y * c - x * s
-            pose[3, :3], pose[3, 3] = 0.0, 1.0
+                    first, second = pose[a, u], pose[a, v]
+                    pose[a, u] = first * c + second * s
+                    pose[a, v] = second * c - first * s
+            pose[3, 0], pose[3, 1], pose[3, 2], pose[3, 3] = 0.0, 0.0, 0.0, 1.0
