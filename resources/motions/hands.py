@@ -13,9 +13,9 @@ def relax_hand(X: FloatArray, side: str, *, amount: FloatArray | float = 1.0) ->
     for place, finger in enumerate(FINGERS):
         for k, degrees in ((1, 16 + 4 * place), (2, 26 + 3 * place), (3, 14 + 2 * place)):
             X[:, column(f"{side}_{finger}{k}_flexion")] -= np.radians(degrees) * amount
-    for k, degrees in ((1, 4), (2, 12), (3, 12)):
+    for k, degrees in ((1, 13), (2, 20), (3, 18)):
         X[:, column(f"{side}_thumb{k}_flexion")] -= np.radians(degrees) * amount
-    X[:, column(f"{side}_thumb1_pivot")] += np.radians(-12 if side == "l" else 12) * amount
+    X[:, column(f"{side}_thumb1_pivot")] += np.radians(-26 if side == "l" else 26) * amount
 
 
 def spread_fingers(X: FloatArray, side: str, *, amount: FloatArray | float = 1.0) -> None:
@@ -24,4 +24,4 @@ def spread_fingers(X: FloatArray, side: str, *, amount: FloatArray | float = 1.0
     for finger, degrees in zip(FINGERS, (-9, -1, 7, 16), strict=True):
         X[:, column(f"{side}_{finger}1_pivot")] += outward * np.radians(degrees) * amount
         X[:, column(f"{side}_{finger}1_flexion")] += np.radians(4) * amount
-    X[:, column(f"{side}_thumb1_flexion")] += np.radians(14) * amount
+    X[:, column(f"{side}_thumb1_flexion")] += np.radians(6) * amount
