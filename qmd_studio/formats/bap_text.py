@@ -29,6 +29,9 @@ from qmd_studio.motion.motion import Motion
 MAX_HELD_FRAMES = 3000
 """So many frames may be missing between the frame numbers of a file; its poses are held over them."""
 
+RATES = (1e-3, 1e5)
+"""The least and the highest frame rate that is taken for one."""
+
 _FAP_MASK_LENGTHS = (66, 68, 69)
 _LINE_END = re.compile(r"\r\n|\n|\r")
 
@@ -143,7 +146,7 @@ def _read_header(lines: Iterator[_Line], options: ReadOptions) -> _Header:
     else:  # one number only: the rate, the number of frames being left out
         name, rate, count = tokens[1:-1], _number(tokens[-1]), None
     fps = options.fps if options.fps is not None else rate
-    if fps is None or fps <= 0:
+    if fps is None or not RATES[0] <= fps <= RATES[1]:
         raise FormatError(
             "the header gives no frame rate",
             at=line.at,
@@ -299,7 +302,7 @@ def _number(token: str) -> float | None:
 
 def _is_torn(token: str) -> bool:
     """Return whether `token` can be the beginning of a number that the file breaks off in."""
-    return re.fullmatch(r"[-+]?\.?|[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?", token) is not None
+    return re.fullmatch(r"[-+]?\.?|[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?", token) is not None
 
 
 def _dropped(line: _Line, got: str) -> str:

@@ -216,6 +216,21 @@ def test_many_tiny_frames_stay_within_bounds(frame):
     assert_ends_well(read, text[: 64 << 10].encode())
 
 
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"3.1 x 30 1\n1\n0 " + b"9" * 65000,
+        b"3.1 " + b"9" * 65000,
+        b"3.1 x 30 1\n" + b"1 " * 32000,
+        b"3.1 x 1e-320 2\n1\n0 1\n1\n5 1\n1\n10 1\n",
+        b"\r" * 65536,
+        b"\x00" * 65536,
+    ],
+)
+def test_absurd_files_are_refused_in_time(data):
+    assert isinstance(assert_ends_well(read, data), FormatError)
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_a_written_motion_reads_as_it_was(data):
