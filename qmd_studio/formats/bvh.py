@@ -15,11 +15,14 @@ from qmd_studio.formats.frame_rate import rate_from_frame_time
 from qmd_studio.formats.length_unit import with_guessed_unit
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.motion.channels import channel_skeleton, default_site_name
+from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import ColumnKind, EndSite, Skeleton, Vector3
 
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
 _SNIFF = re.compile(rb"\s*HIERARCHY\s", re.IGNORECASE)
+REST_FPS = 30.0
+"""The rate of the one frame of a file without motion."""
 _UTF8_BOM = b"\xef\xbb\xbf"
 
 
@@ -32,7 +35,8 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
     """Read a BVH file.
 
     Positions replace the joint's OFFSET, as is the custom. A count of frames that the rows contradict and a last frame
-    that is incomplete are warned of; a file without MOTION opens as a skeleton. Raises `FormatError` with the line.
+    that is incomplete are warned of; a file without MOTION opens with one frame, at rest. Raises `FormatError` with
+    the line.
     """
     data = data.removeprefix(_UTF8_BOM)
     found = _MOTION.search(data)
@@ -41,15 +45,23 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
     skeleton, note = with_guessed_unit(skeleton, options.metres_per_unit)
     if found is None or skeleton.n_columns == 0:
         missing = "MOTION section" if found is None else "channel"
-        return Loaded(skeleton, warnings=(f"the file has no {missing}: only its skeleton is opened",), notes=(note,))
+        warning = f"the file has no {missing}: its skeleton stands at rest"
+        return Loaded(skeleton, _at_rest(skeleton, options), warnings=(warning,), notes=(note,))
     head = parse_head(data, found.end())
     rows = parse_rows(data[head.end :], skeleton.n_columns, line_at(data, head.end))
     warnings = _check_counts(head, rows)
     fps = options.fps if options.fps is not None else _rate(head)
     values = rows.values * _factors(skeleton)
     values.flags.writeable = False  # the motion then keeps it without a copy
-    name = options.path.stem if options.path else ""
-    return Loaded(skeleton, Motion(skeleton, values, fps, name=name), warnings=warnings, notes=(note,))
+    return Loaded(skeleton, Motion(skeleton, values, fps, name=_name(options)), warnings=warnings, notes=(note,))
+
+
+def _at_rest(skeleton: Skeleton, options: ReadOptions) -> Motion:
+    return Motion(skeleton, rest_values(skeleton)[None], options.fps or REST_FPS, name=_name(options))
+
+
+def _name(options: ReadOptions) -> str:
+    return options.path.stem if options.path else ""
 
 
 def _decode(header: bytes) -> str:
