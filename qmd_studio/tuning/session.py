@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from qmd_studio.arrays import Float32Array
+from qmd_studio.arrays import BoolArray, Float32Array
 from qmd_studio.codecs.qmd import container, payload
 from qmd_studio.codecs.qmd.decode import decode_payload
 from qmd_studio.codecs.qmd.encode import encode_matrix
@@ -17,6 +17,7 @@ from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
 from qmd_studio.codecs.qmd.units import codec_matrix, column_scales, motion_matrix
 from qmd_studio.motion.metrics import MotionError
 from qmd_studio.motion.motion import ASF_UNIT_M, Motion
+from qmd_studio.motion.skeleton import ColumnKind, Skeleton
 from qmd_studio.tuning.report import EncodeReport
 
 
@@ -33,6 +34,7 @@ class TuningSession:
         self._levels = np.array(motion.skeleton.levels, dtype=np.int64)
         self._block = pack_skeleton_block(motion)
         self._lengths = np.flatnonzero(column_scales(motion.skeleton) != 1.0)
+        self._origin = np.where(_moves_all(motion.skeleton), self._matrix[0], np.float32(0))
 
     @property
     def skeleton_bytes(self) -> int:
@@ -74,7 +76,8 @@ class TuningSession:
         """Where the measured points of the original are, (3 * n_points, n_frames) metres."""
         from qmd_studio.motion.fast_kinematics import columns_first, point_positions_32
 
-        return point_positions_32(self.motion.skeleton, columns_first(self.motion.X))
+        origin = self._origin.astype(np.float64) * column_scales(self.motion.skeleton)
+        return point_positions_32(self.motion.skeleton, columns_first(self.motion.X - origin))
 
     def _measured(self, decoded: Float32Array) -> MotionError:
         """Measure `decoded` (n_columns, n_frames), radians and ASF units, against the original."""
@@ -82,6 +85,16 @@ class TuningSession:
         from qmd_studio.motion.fast_metrics import measure_positions
 
         metres = decoded.copy()
+        metres[self._lengths] -= self._origin[self._lengths, np.newaxis]
         metres[self._lengths] *= np.float32(ASF_UNIT_M)
         positions = point_positions_32(self.motion.skeleton, metres)
         return measure_positions(self.motion.skeleton, self._positions, positions, fps=self.motion.fps)
+
+
+def _moves_all(skeleton: Skeleton) -> BoolArray:
+    """Return which columns (n_columns,) only move everything along: positions are measured from their first values.
+
+    Single precision is then as good far from the world's origin as near it.
+    """
+    roots = {index for index, joint in enumerate(skeleton.joints) if joint.parent < 0}
+    return np.array([c.kind is ColumnKind.TRANSLATION and c.joint in roots for c in skeleton.columns], dtype=np.bool_)

@@ -42,7 +42,7 @@ def paper_segment(poses, _, levels, settings):
     for bucket in set(bucket_of.values()):
         _, columns = here = np.nonzero(buckets == bucket)
         level = levels[settings.fdf :][columns].astype(float)
-        weights = (level == level.min()) * 1.0 if np.isinf(settings.k) else level**-settings.k
+        weights = (level.min() / level) ** settings.k  # 1/l^k but for a factor, which the mean loses again
         total = weight = 0.0
         for value, share in zip(quantised[here], weights, strict=True):
             total += share * float(value)

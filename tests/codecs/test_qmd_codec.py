@@ -161,6 +161,16 @@ def test_encode_with_lengths_in_any_unit_holds_asf_units():
     np.testing.assert_allclose(poses[7][3:], motion.X[7, 3:], rtol=1e-4, atol=1e-6)
 
 
+def test_encode_with_a_large_k_comes_to_selective_averaging():
+    def encoded(k):
+        return encode(short_walk(), QmdSettings(encoder=Encoder.PAPER, k=k))
+
+    selective = encoded(math.inf).decoded.X
+    assert np.array_equal(encoded(5000.0).decoded.X, selective)
+    np.testing.assert_allclose(encoded(900.0).decoded.X, selective, atol=1e-6)
+    assert np.abs(encoded(1.0).decoded.X - selective).max() > 1e-3
+
+
 def test_encode_twice_gives_the_same_bytes():
     assert encode(walker(60), CLOSED).data == encode(walker(60), CLOSED).data
 

@@ -80,7 +80,7 @@ def _encode_open_loop(matrix: Float32Array, levels: IntArray, settings: QmdSetti
         buckets = tables.equal_frequency_buckets(quantised, bits=bits, rqt=settings.rqt)
         table = tables.averaged_table(quantised, buckets, levels=levels[fdf:], bits=bits, k=settings.k)
         exact = np.ascontiguousarray(differences[:, :fdf])
-        segments.append(Segment(bits, table, exact, payload.as_indices(buckets, bits)))
+        segments.append(Segment(bits, table, exact, buckets.astype(payload.index_type(bits))))
     contents = Payload(matrix[0], tuple(segments))
     return EncodedMatrix(contents, np.ascontiguousarray(decode_payload(contents).T))
 
@@ -98,7 +98,7 @@ def _encode_closed_loop(matrix: Float32Array, settings: QmdSettings) -> EncodedM
         part, n_rows = matrix[rows], rows.stop - rows.start - 1
         table = tables.companded_table(np.diff(part[:, fdf:], axis=0), bits=bits)
         exact = np.empty((n_rows, fdf), np.float32)
-        indices = payload.as_indices(np.empty((n_rows, n_columns - fdf), np.int64), bits)
+        indices = np.empty((n_rows, n_columns - fdf), payload.index_type(bits))
         if n_rows:
             there = decoded[:, rows.start + 1 : rows.stop]
             closed_loop(part, table, tables.middles(table), pose, exact, indices, there)

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from qmd_studio.arrays import Float32Array, IntArray
+from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd.settings import MAX_BITS, MIN_BITS, index_bytes
 from qmd_studio.codecs.qmd.size import SEGMENT_HEADER_BYTES
 from qmd_studio.errors import FormatError
@@ -59,9 +59,9 @@ class Payload:
         return sum(segment.n_rows for segment in self.segments)
 
 
-def as_indices(numbers: IntArray, bits: int) -> IndexArray:
-    """Return table positions in the type that a file with `bits` bits holds them in."""
-    return numbers.astype(f"<u{index_bytes(bits)}")
+def index_type(bits: int) -> np.dtype[np.unsignedinteger[Any]]:
+    """Return the type of a table position of `bits` bits: one byte or two."""
+    return np.dtype(f"=u{index_bytes(bits)}")
 
 
 def pack(payload: Payload) -> bytes:
@@ -123,7 +123,7 @@ def _floats(data: memoryview, at: int, shape: tuple[int, ...], what: str) -> tup
 
 def _indices(data: memoryview, at: int, shape: tuple[int, int], bits: int) -> tuple[IndexArray, int]:
     values, end = _array(data, at, shape, "index block", f"<u{index_bytes(bits)}")
-    indices: IndexArray = values.astype(f"=u{index_bytes(bits)}", copy=False)
+    indices: IndexArray = values.astype(index_type(bits), copy=False)
     if bits not in (8, 16) and indices.size and int(indices.max()) >= 2**bits:
         wrong = int(np.argmax(indices.ravel() >= 2**bits))
         raise _bad(at + 2 * wrong, "an index points past its table", f"below {2**bits}", indices.ravel()[wrong])

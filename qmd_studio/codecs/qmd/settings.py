@@ -13,6 +13,9 @@ MIN_BITS, MAX_BITS = 8, 16
 
 _MAX_U32 = 2**32 - 1
 
+_LARGEST_K = 1000.0
+"""Beyond it no weight but the lowest level's is left in double precision: as good as infinite."""
+
 
 class Encoder(StrEnum):
     """How the indices are chosen. Every decoder plays the files of either."""
@@ -52,7 +55,8 @@ class QmdSettings:
         if math.isnan(self.k) or self.k < 0:
             raise CodecError("k is out of range", wanted="0 or more, or infinite", got=str(self.k))
         segment = 0 if self.segment >= n_rows else self.segment
-        return replace(self, segment=segment, encoder=Encoder(self.encoder))
+        k = math.inf if self.k > _LARGEST_K else self.k
+        return replace(self, segment=segment, encoder=Encoder(self.encoder), k=k)
 
     def fitted(self, n_columns: int) -> QmdSettings:
         """Return these settings with FDF lowered where the motion has fewer columns than that."""

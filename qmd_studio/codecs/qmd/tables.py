@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from qmd_studio.arrays import Float32Array, FloatArray, IntArray
+from qmd_studio.motion.skeleton import MAX_LEVEL
 
 UNIFORM_SHARE = 0.02
 """The share of levels spread evenly over the whole range, so that rare large steps are not starved of them."""
@@ -45,27 +44,26 @@ def averaged_table(
 ) -> Float32Array:
     """Return the table (2^bits,) of weighted bucket means (the paper, equation 1).
 
-    `levels` (columns,) are the paper's l of each column; weights are 1/l^k. With k infinite only the lowest level in a
-    bucket counts (selective averaging). A bucket that holds no value reads 0; no index points to it.
+    `levels` (columns,) are the paper's l of each column, 1 to 6; weights are 1/l^k. With k infinite only the lowest
+    level in a bucket counts (selective averaging). A bucket that holds no value reads 0; no index points to it.
     """
     values = differences.astype(np.float64).ravel()
     bucket = buckets.ravel()
-    level = np.broadcast_to(levels, differences.shape).ravel()
-    if math.isinf(k):
-        lowest = np.full(2**bits, np.iinfo(np.int64).max)
-        np.minimum.at(lowest, bucket, level)
-        weights = (level == lowest[bucket]).astype(np.float64)
-    else:
-        weights = level_weights(levels, k)[np.broadcast_to(np.arange(len(levels)), differences.shape).ravel()]
+    level = np.broadcast_to(np.clip(levels, 1, MAX_LEVEL), differences.shape).ravel()
+    lowest = np.full(2**bits, np.iinfo(np.int64).max)
+    np.minimum.at(lowest, bucket, level)
+    weights = _relative_weights(k)[lowest[bucket], level]
     total = np.bincount(bucket, weights * values, 2**bits)
     weight = np.bincount(bucket, weights, 2**bits)
     means: FloatArray = np.divide(total, weight, out=np.zeros(2**bits), where=weight > 0)
     return means.astype(np.float32)
 
 
-def level_weights(levels: IntArray, k: float) -> FloatArray:
-    """Return the weight 1/l^k of each column."""
-    return levels.astype(np.float64) ** -k
+def _relative_weights(k: float) -> FloatArray:
+    """Return (lowest, l) the weight 1/l^k over that of the bucket's lowest level: 1 or 0 where k is infinite."""
+    level = np.arange(MAX_LEVEL + 1, dtype=np.float64)
+    ratio = np.minimum(level[:, np.newaxis] / np.maximum(level, 1.0), 1.0)
+    return ratio**k  # as a ratio it cannot vanish for all of a bucket, however large k is
 
 
 def companded_table(differences: Float32Array, *, bits: int) -> Float32Array:
