@@ -96,6 +96,7 @@ VERBS: tuple[Verb, ...] = (
     Verb("reset_codec", "&Reset settings", "compress", 2, "Set FDF, b, n_d and the encoder back to what they were at first", (), "", _C),
     Verb("encoder_closed", "&Closed loop", "encoder", 1, "Each index makes up for the error so far", (), "", _C, True, "encoder"),
     Verb("encoder_paper", "&Paper", "encoder", 1, "Each index as the paper chooses it: errors add up", (), "", _C, True, "encoder"),
+    Verb("column_levels", "Column &levels…", "compress", 3, "Read and edit the level of each column, which the paper's encoder goes by", (), "", _C),
     Verb("help", "&Contents", "help", 1, "How the studio is used, and the QMD format byte by byte", ("F1",), "help"),
     Verb("shortcuts", "&Keyboard shortcuts", "help", 1, "All keys in one list", ("Ctrl+/",)),
     Verb("about", "&About QMD Studio", "help", 2, "Version, licence and what the studio runs on"),

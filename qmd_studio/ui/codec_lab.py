@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import QmdStudioError
@@ -63,7 +63,6 @@ class CodecLab(QWidget):
         self.knobs, self.figures, self.breakdown = Knobs(self), Figures(self), SizeBreakdownView(self)
         self.problem, self.export_bar = Notice(self), ExportBar(ask_path, self)
         self.view = ChoiceBar(self.tr("View"), self._views(), self)
-        self.levels = QPushButton(self.tr("Column levels…"), self)
         self._pages = QStackedLayout(self)
         self._pages.addWidget(self._empty_page())
         self._pages.addWidget(self._work_page())
@@ -177,7 +176,7 @@ class CodecLab(QWidget):
         self.worker.failed.connect(self._fail)
         self.figures.frame_wanted.connect(self._go_to_frame)
         self.view.chosen.connect(self.view_mode_changed)
-        self.levels.clicked.connect(self.open_levels)
+        self.knobs.levels_wanted.connect(self.open_levels)
         self.export_bar.reopen_wanted.connect(self.reopen_wanted)
 
     def _views(self) -> tuple[Choice, ...]:
@@ -207,20 +206,32 @@ class CodecLab(QWidget):
         layout.addStretch(2)
         return page
 
-    def _work_page(self) -> QScrollArea:
-        content = QWidget(self)
+    def _work_page(self) -> QWidget:
+        page = QWidget(self)
+        foot = QVBoxLayout()
+        foot.setContentsMargins(12, 8, 12, 12)
+        foot.addWidget(self.export_bar)
+        layout = QVBoxLayout(page)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self._scrolling_part(page), 1)
+        layout.addWidget(_line(page))
+        layout.addLayout(foot)  # the way out is in sight, however low the window
+        return page
+
+    def _scrolling_part(self, page: QWidget) -> QScrollArea:
+        content = QWidget(page)
         layout = QVBoxLayout(content)
         layout.setContentsMargins(12, 12, 12, 12)
         layout.setSpacing(12)
-        self.levels.setToolTip(self.tr("Read and edit the level of each column, which the paper's encoder goes by"))
-        for widget in (self.knobs, _line(content), self.figures, self.problem, self.breakdown, _line(content)):
-            layout.addWidget(widget)
-        for widget in (self.view, self.export_bar, self.levels):
+        parts = (self.knobs, _line(content), self.figures, self.problem, self.breakdown, _line(content), self.view)
+        for widget in parts:
             layout.addWidget(widget)
         layout.addStretch(1)
-        area = QScrollArea(self)
+        area = QScrollArea(page)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setWidgetResizable(True)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setWidget(content)
         return area

@@ -63,8 +63,10 @@ class ExportBar(QWidget):
         self.setEnabled(clip is not None)
 
     def forget_report(self) -> None:
-        """The settings changed: the next report is what is exported."""
+        """The settings changed: the next report is what is exported, and what was said of the last is old."""
         self._report = None
+        if self._waiting is None:
+            self.notice.clear()
 
     def take_report(self, report: EncodeReport) -> None:
         """Keep the report whose bytes are exported, and do what was asked for while it was measured."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from qmd_studio.tuning.size_figures import SizeFigures
 from qmd_studio.ui.elided_label import ElidedLabel
@@ -65,10 +65,9 @@ class Figures(QWidget):
         self.def_ = Figure(self.tr("DEF"), self._def_tip(), self)
         self.mean = Figure(self.tr("Mean error"), self._mean_tip(), self)
         self.worst = Figure(self.tr("Worst error"), self._worst_tip(), self)
-        self.go = QToolButton(self.worst)
-        self.note = QLabel(self)
+        self.go = QPushButton(self.worst)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
-        self._slow.timeout.connect(lambda: self.note.setText(self.tr("Measuring…")))
+        self._slow.timeout.connect(self._say_slow)
         self._dress()
         self._lay_out()
         self.show_nothing()
@@ -97,7 +96,7 @@ class Figures(QWidget):
         """Dim the errors until the next report; say so where it takes long."""
         for figure in self._measured():
             figure.set_stale(True)
-        if not self._slow.isActive() and not self.note.text():
+        if not self._slow.isActive():
             self._slow.start()
 
     def show_nothing(self) -> None:
@@ -122,9 +121,12 @@ class Figures(QWidget):
 
     def _settle(self) -> None:
         self._slow.stop()
-        self.note.clear()
         for figure in self._measured():
             figure.set_stale(False)
+
+    def _say_slow(self) -> None:
+        self.def_.remark.setText(self.tr("Measuring…"))
+        self.def_.remark.setEnabled(True)
 
     def _name_worst(self, words: str) -> None:
         self.go.setProperty("whole", words)
@@ -136,7 +138,6 @@ class Figures(QWidget):
         self.go.setAccessibleName(f"{tip}: {words}")
 
     def _dress(self) -> None:
-        self.note.setProperty("muted", True)
         self.go.setProperty("link", True)
         self.go.setCursor(Qt.CursorShape.PointingHandCursor)
         self.go.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -155,7 +156,6 @@ class Figures(QWidget):
         layout.setVerticalSpacing(12)
         for place, figure in enumerate((self.size, self.def_, self.mean, self.worst)):
             layout.addWidget(figure, place // 2, place % 2, Qt.AlignmentFlag.AlignTop)
-        layout.addWidget(self.note, 2, 0, 1, 2)
         for side in (0, 1):
             layout.setColumnStretch(side, 1)
             layout.setColumnMinimumWidth(side, 100)

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QFormLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSpinBox, QVBoxLayout, QWidget
 
 from qmd_studio.codecs.qmd.settings import MAX_BITS, MIN_BITS, Encoder, QmdSettings
 from qmd_studio.motion.motion import Motion
@@ -19,13 +19,19 @@ from qmd_studio.ui.quantity import kilobytes
 _LARGEST_K = 9
 """The spin box of k ends in infinity one step after this; at 9 level 2 already weighs 1/512 of level 1."""
 _MAX_RQT = 10_000_000
+_FRAME_WIDTH = 34
+"""What a spin box needs beside its text, in pixels."""
 
 
 class Knobs(QWidget):
-    """Emits `changed(QmdSettings, str)` with the new settings and the knob that made them, `settled` after a drag."""
+    """Emits `changed(QmdSettings, str)` with the new settings and the knob that made them, `settled` after a drag.
+
+    `levels_wanted` asks for the table of the columns' levels.
+    """
 
     changed = Signal(object, str)
     settled = Signal()
+    levels_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -36,8 +42,9 @@ class Knobs(QWidget):
             "segment", symbol="n<sub>d</sub>", title=self.tr("rows in a segment"), tip=self._segment_tip(), parent=self
         )
         self.encoder = ChoiceBar(self.tr("Encoder"), self._encoders(), self)
-        self.k, self.rqt = WordedSpinBox(self), QSpinBox(self)
         self.paper = QWidget(self)
+        self.k, self.rqt = WordedSpinBox(self.paper), QSpinBox(self.paper)
+        self.levels = QPushButton(self.tr("Levels…"), self.paper)
         self._dress()
         self._lay_out()
         self._connect()
@@ -78,6 +85,7 @@ class Knobs(QWidget):
         for knob in (self.fdf, self.bits, self.segment):
             knob.settled.connect(self.settled)
         self.encoder.chosen.connect(lambda key: self._reset("encoder", encoder=Encoder(key)))
+        self.levels.clicked.connect(self.levels_wanted)
         self.k.valueChanged.connect(self._set_k)
         self.rqt.valueChanged.connect(lambda value: self._change("rqt", rqt=value))
         self.k.editingFinished.connect(self.settled)
@@ -89,6 +97,11 @@ class Knobs(QWidget):
         self.settled.emit()
 
     def _dress(self) -> None:
+        self.levels.setToolTip(self.tr("Read and edit the level of each column: the lower, the more it counts"))
+        self.levels.setAccessibleName(self.tr("Column levels"))
+        widest = ((self.k, "∞∞"), (self.rqt, "1,000,000"))
+        for field, text in widest:
+            field.setFixedWidth(field.fontMetrics().horizontalAdvance(text) + _FRAME_WIDTH)
         self.k.setRange(0, _LARGEST_K + 1)
         self.k.set_last_word("∞")
         self.k.setAccessibleName("k")
@@ -104,10 +117,18 @@ class Knobs(QWidget):
         self.rqt.setToolTip(self.tr("Differences are sorted into buckets as whole numbers, round(difference × RQT)."))
 
     def _lay_out(self) -> None:
-        form = QFormLayout(self.paper)
-        form.setContentsMargins(0, 4, 0, 0)
-        form.addRow(QLabel(self.tr("<b>k</b> weight of levels")), self.k)
-        form.addRow(QLabel(self.tr("<b>RQT</b> bucket resolution")), self.rqt)
+        row = QHBoxLayout(self.paper)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(4)
+        for name, field in ((self.tr("<b>k</b>"), self.k), (self.tr("<b>RQT</b>"), self.rqt)):
+            label = QLabel(name, self.paper)
+            label.setBuddy(field)
+            label.setToolTip(field.toolTip())
+            row.addWidget(label)
+            row.addWidget(field)
+            row.addSpacing(6)
+        row.addStretch(1)
+        row.addWidget(self.levels)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(12)

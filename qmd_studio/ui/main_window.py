@@ -160,6 +160,7 @@ class MainWindow(QMainWindow):
             "reset_codec": lambda: self.document.execute(SetCodecSettings(QmdSettings())),
             "encoder_closed": lambda: self._choose_encoder(Encoder.CLOSED),
             "encoder_paper": lambda: self._choose_encoder(Encoder.PAPER),
+            "column_levels": lambda: self.lab and self.lab.open_levels(),
             "help": lambda: HelpDialog(self).show(),
             "shortcuts": lambda: ShortcutsDialog(self).show(),
             "about": lambda: AboutDialog(self).show(),
