@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
@@ -15,6 +15,10 @@ from qmd_studio.formats.asf_parse import LARGEST
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import ColumnKind, SkeletonKind
 
+AMC_FPS = 120.0
+"""The rate of an AMC that does not say its own; the CMU database's is 120."""
+
+_RATE = b":samples-per-second"
 _COMMENT = re.compile(rb"#[^\n]*")
 _Layout = dict[str, tuple[int, int]]  # of each bone: how many values, and its line in the first frame
 _FRAME = re.compile(rb"^[ \t]*\d{1,18}[ \t]*$", re.MULTILINE)
@@ -24,12 +28,13 @@ _FRAME = re.compile(rb"^[ \t]*\d{1,18}[ \t]*$", re.MULTILINE)
 class Amc:
     """A parsed AMC: `values` (n_frames, n_values) as written, `bones` (name, number of values, line in frame 0).
 
-    `degrees` is None where the file does not name its angle unit.
+    `degrees` and `fps` are None where the file does not name its angle unit and its frame rate, which few do.
     """
 
     values: FloatArray
     bones: tuple[tuple[str, int, int], ...]
-    degrees: bool | None
+    degrees: bool | None = None
+    fps: float | None = None
     warnings: tuple[str, ...] = ()
 
 
@@ -45,13 +50,26 @@ def parse_amc(data: bytes) -> Amc:
     if first is None:
         raise FormatError("the motion file holds no frame", wanted="a line with a frame's number", hint="Is it an AMC?")
     header = text[: first.start()].lower().split()
-    degrees = False if b":radians" in header else True if b":degrees" in header else None
     line = text.count(b"\n", 0, first.start()) + 1
     body = text[first.start() :]
-    return _parse_regular(body, line, degrees) or _parse_tolerant(body, line, degrees)
+    frames = _parse_regular(body, line) or _parse_tolerant(body, line)
+    degrees = False if b":radians" in header else True if b":degrees" in header else None
+    return replace(frames, degrees=degrees, fps=_frame_rate(header))
 
 
-def _parse_regular(body: bytes, line: int, degrees: bool | None) -> Amc | None:
+def _frame_rate(header: list[bytes]) -> float | None:
+    """Return the rate that some writers give as `:SAMPLES-PER-SECOND 120`."""
+    if _RATE not in header[:-1]:
+        return None
+    word = header[header.index(_RATE) + 1]
+    fps = _number(word)
+    if not 0 < fps <= LARGEST:
+        wanted, got = "frames a second", _text(word)[:40]
+        raise FormatError("the frame rate is not a positive number", at=_text(_RATE), wanted=wanted, got=got)
+    return fps
+
+
+def _parse_regular(body: bytes, line: int) -> Amc | None:
     """Parse frames that all look like the first, column by column; None where they don't, or anything is amiss."""
     second = _FRAME.search(body, len(body.split(b"\n", 1)[0]))
     rows = [row.split() for row in body[: second.start() if second else len(body)].split(b"\n")]
@@ -76,7 +94,7 @@ def _parse_regular(body: bytes, line: int, degrees: bool | None) -> Amc | None:
     numbers = words[::width]
     if not all(word.isdigit() and len(word) <= 18 for word in numbers):
         return None
-    return Amc(values, tuple(bones), degrees, _gaps([int(word) for word in numbers]))
+    return Amc(values, tuple(bones), warnings=_gaps([int(word) for word in numbers]))
 
 
 def _columns(words: list[bytes], columns: list[int], width: int) -> FloatArray | None:
@@ -99,7 +117,7 @@ class _Frame:
     rows: list[tuple[int, list[bytes]]]
 
 
-def _parse_tolerant(body: bytes, line: int, degrees: bool | None) -> Amc:
+def _parse_tolerant(body: bytes, line: int) -> Amc:
     """Parse line by line, by name, so that anything amiss has its place."""
     frames = _split(body, line)
     layout = {_text(words[0]): (len(words) - 1, at) for at, words in frames[0].rows}
@@ -113,7 +131,7 @@ def _parse_tolerant(body: bytes, line: int, degrees: bool | None) -> Amc:
     values = np.array([_values(frame, layout) for frame in frames])
     if values.size == 0:
         raise FormatError("the motion file holds no values", at=f"line {line}", wanted="a line for each bone")
-    return Amc(values, tuple((name, *place) for name, place in layout.items()), degrees, warnings)
+    return Amc(values, tuple((name, *place) for name, place in layout.items()), warnings=warnings)
 
 
 def _split(body: bytes, line: int) -> list[_Frame]:
@@ -189,6 +207,7 @@ def _text(word: bytes) -> str:
 def write_amc(motion: Motion) -> bytes:
     """Return the bytes of an AMC in degrees, with 14 digits: reading it and writing it again gives the same bytes.
 
+    A frame rate other than the usual 120 is put in the header, where readers that don't know of it pass over it.
     Raises `FormatError` where the motion is not on an ASF skeleton.
     """
     skeleton = motion.skeleton
@@ -204,4 +223,5 @@ def write_amc(motion: Motion) -> bytes:
     lines = [f"{bone.replace('%', '%%')} {' '.join(['%.14g'] * len(list(group)))}\n" for bone, group in groupby(names)]
     template = "".join(lines)
     frames = [f"{number}\n{template % tuple(row)}" for number, row in enumerate(values.tolist(), start=1)]
-    return (":FULLY-SPECIFIED\n:DEGREES\n" + "".join(frames)).encode()
+    rate = "" if motion.fps == AMC_FPS else f"{_text(_RATE).upper()} {float(motion.fps)!r}\n"
+    return (rate + ":FULLY-SPECIFIED\n:DEGREES\n" + "".join(frames)).encode()

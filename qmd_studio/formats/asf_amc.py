@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from qmd_studio.errors import FormatError
-from qmd_studio.formats.amc import Amc, parse_amc, write_amc
+from qmd_studio.formats.amc import AMC_FPS, Amc, parse_amc, write_amc
 from qmd_studio.formats.asf import skeleton_of
 from qmd_studio.formats.asf_parse import Asf, parse_asf
 from qmd_studio.formats.asf_write import write_asf
@@ -17,10 +17,7 @@ from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import ColumnKind
 from qmd_studio.storage import read_bytes
 
-AMC_FPS = 120.0
-"""An AMC does not say its frame rate; the CMU database's is 120."""
-
-_HEAD = re.compile(rb"\s*(:fully-specified|:degrees|:radians|\d+\s*[\r\n]\s*root\s)", re.IGNORECASE)
+_HEAD = re.compile(rb"\s*(:fully-specified|:degrees|:radians|:samples-per-second|\d+\s*[\r\n]\s*root\s)", re.IGNORECASE)
 
 
 def read_amc(data: bytes, options: ReadOptions) -> Loaded:
@@ -38,10 +35,10 @@ def read_amc(data: bytes, options: ReadOptions) -> Loaded:
     turns = np.array([column.kind is ColumnKind.ROTATION for column in skeleton.columns])
     degrees = asf.degrees if amc.degrees is None else amc.degrees
     X = amc.values * np.where(turns, np.pi / 180 if degrees else 1.0, skeleton.metres_per_unit)
-    fps = AMC_FPS if options.fps is None else options.fps
+    fps = next((rate for rate in (options.fps, amc.fps) if rate is not None), AMC_FPS)
     motion = Motion(skeleton, X, fps, name=options.path.stem if options.path else "")
     notes += (f"Skeleton from {asf_path.name}",)
-    if options.fps is None:
+    if options.fps is None and amc.fps is None:
         notes += (f"An AMC does not say its frame rate; taken as {AMC_FPS:g} fps",)
     return Loaded(skeleton, motion, warnings=amc.warnings, notes=notes)
 

@@ -1,11 +1,13 @@
 """Acclaim files: what opens stands where the bones say, what is written reads back equal, what is amiss is named."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
+from scipy.spatial.transform import Rotation
 
 from qmd_studio import registry
 from qmd_studio.errors import FormatError
@@ -109,6 +111,65 @@ def test_points_are_the_root_and_the_far_end_of_each_bone(tmp_path):
 def test_frame_rate_is_120_unless_said_otherwise(tmp_path):
     assert opened(tmp_path).motion.fps == 120
     assert opened(tmp_path, fps=30.0).motion.fps == 30
+    said = b":SAMPLES-PER-SECOND 60\n" + AMC
+    assert opened(tmp_path, said).motion.fps == 60
+    assert opened(tmp_path, said, fps=30.0).motion.fps == 30
+    with pytest.raises(FormatError, match="frame rate"):
+        opened(tmp_path, said.replace(b"60", b"-60"))
+    with pytest.raises(FormatError, match="frame rate"):
+        opened(tmp_path, fps=0.0)
+
+
+def test_frame_rate_other_than_120_survives_writing(tmp_path):
+    motion = opened(tmp_path, fps=30000 / 1001).motion
+    written = FORMAT.write(motion)
+    assert FORMAT.sniff(written)
+    again = opened(tmp_path, written).motion
+    assert again.fps == motion.fps
+    assert FORMAT.write(again) == written
+
+
+def walk_out(asf: str, amc: str, n_frames: int) -> np.ndarray:
+    """Return root and bone ends (n_frames, 31, 3) in file units by G = G_parent C M C^-1, read by other means."""
+
+    def turn(x, y, z):
+        return Rotation.from_euler("xyz", [x, y, z], degrees=True).as_matrix()  # about fixed axes: Rz Ry Rx
+
+    bones = {}
+    for block in re.findall(r"begin\s+id.*?end\n", asf, flags=re.DOTALL):
+        field = {key: rest.split() for key, rest in re.findall(r"(name|direction|length|axis|dof) +(.*)", block)}
+        direction, axis = (np.array(field[key][:3], dtype=float) for key in ("direction", "axis"))
+        bones[field["name"][0]] = (direction * float(field["length"][0]), turn(*axis), field.get("dof", []))
+    tree = [line.split() for line in asf[asf.index(":hierarchy") :].splitlines() if len(line.split()) > 1]
+    frames = re.split(r"^\d+\s*$", amc, flags=re.MULTILINE)[1 : n_frames + 1]
+    result = []
+    for frame in frames:
+        values = {line.split()[0]: [float(word) for word in line.split()[1:]] for line in frame.strip().splitlines()}
+        turned, ends = {"root": turn(*values["root"][3:])}, {"root": np.array(values["root"][:3])}
+        for parent, *children in tree:
+            for child in children:
+                vector, own, dofs = bones[child]
+                angles = dict(zip(dofs, values.get(child, []), strict=True))
+                moved = turn(*(angles.get(f"r{letter}", 0.0) for letter in "xyz"))
+                turned[child] = turned[parent] @ own @ moved @ np.linalg.inv(own)
+                ends[child] = ends[parent] + turned[child] @ vector
+        result.append([ends[name] for name in ("root", *bones)])
+    return np.array(result)
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("name", ["02_01", "49_08"])
+def test_points_stand_where_the_acclaim_formula_puts_root_and_bone_ends(name):
+    amc, asf = corpus_file(f"cmu_asfamc/{name}.amc"), corpus_file(f"cmu_asfamc/{name[:2]}.asf")
+    wanted = walk_out(asf.read_text(), amc.read_text(), 5)
+    motion = open_real(amc).motion
+    got = point_positions(motion.skeleton, motion.X[:5]) / motion.skeleton.metres_per_unit
+    assert got.shape == wanted.shape == (5, 31, 3)
+    for ours, theirs in zip(got, wanted, strict=True):  # as sets: the order of points is ours to choose
+        away = np.linalg.norm(ours[:, None] - theirs[None], axis=2)
+        assert away.min(axis=0).max() < 1e-9
+        assert away.min(axis=1).max() < 1e-9
+        assert len(np.unique(away.argmin(axis=1))) == 31
 
 
 @pytest.mark.corpus
