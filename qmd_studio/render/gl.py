@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 from typing import Any
 
@@ -17,6 +18,7 @@ OpenGL.ERROR_CHECKING = _DEBUG  # a check after each of some hundred calls a fra
 OpenGL.ERROR_LOGGING = _DEBUG
 
 from OpenGL import GL  # noqa: E402  the switches above work only before this
+from OpenGL.raw.GL.VERSION.GL_2_0 import glVertexAttribPointer as _attribute  # noqa: E402
 
 SOFTWARE_NAMES = ("llvmpipe", "softpipe", "swrast", "software", "swiftshader", "gdi generic")
 
@@ -99,6 +101,16 @@ class Program:
         if name not in self._places:
             self._places[name] = int(GL.glGetUniformLocation(self.number, name))
         return self._places[name]
+
+
+def layout_vertices(stride: int, *attributes: tuple[int, int, int]) -> None:
+    """Tell the bound arrays that vertices are `stride` bytes of floats: (location, number of floats, first byte).
+
+    The raw call: PyOpenGL's own asks the window system for the context, which it guesses wrong where Qt uses another.
+    """
+    for location, n_values, start in attributes:
+        GL.glEnableVertexAttribArray(location)
+        _attribute(location, n_values, GL.GL_FLOAT, False, stride, ctypes.c_void_p(start))
 
 
 def palette_rows(matrices: FloatArray) -> Any:

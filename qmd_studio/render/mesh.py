@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from OpenGL import GL
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Surface
+from qmd_studio.render.gl import layout_vertices
 
 _LAYOUT = ((0, 3, 0), (1, 3, 12), (2, 3, 24), (3, 4, 36), (4, 4, 52))
 _STRIDE = 68
@@ -30,9 +30,7 @@ class Mesh:
         GL.glBufferData(GL.GL_ARRAY_BUFFER, rows.nbytes, rows, GL.GL_STATIC_DRAW)
         GL.glBindBuffer(GL.GL_ELEMENT_ARRAY_BUFFER, self._buffers[1])
         GL.glBufferData(GL.GL_ELEMENT_ARRAY_BUFFER, faces.nbytes, faces, GL.GL_STATIC_DRAW)
-        for place, n_values, start in _LAYOUT:
-            GL.glEnableVertexAttribArray(place)
-            GL.glVertexAttribPointer(place, n_values, GL.GL_FLOAT, False, _STRIDE, ctypes.c_void_p(start))
+        layout_vertices(_STRIDE, *_LAYOUT)
         GL.glBindVertexArray(0)
 
     def draw(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from itertools import pairwise
 
@@ -11,7 +10,7 @@ from OpenGL import GL
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.render.camera import Camera
-from qmd_studio.render.gl import Program
+from qmd_studio.render.gl import Program, layout_vertices
 from qmd_studio.render.scene import Colour
 from qmd_studio.render.theme import StageTheme
 
@@ -45,9 +44,7 @@ class Overlay:
         self._buffer: int = GL.glGenBuffers(1)
         GL.glBindVertexArray(self._array)
         GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._buffer)
-        for place, n_values, start in ((0, 3, 0), (1, 4, 12)):
-            GL.glEnableVertexAttribArray(place)
-            GL.glVertexAttribPointer(place, n_values, GL.GL_FLOAT, False, 28, ctypes.c_void_p(start))
+        layout_vertices(28, (0, 3, 0), (1, 4, 12))
         GL.glBindVertexArray(0)
 
     def triad(self, camera: Camera, size: tuple[float, float], theme: StageTheme) -> None:

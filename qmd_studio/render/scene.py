@@ -11,7 +11,7 @@ from qmd_studio.avatar.humanoid import Body
 
 Colour = tuple[float, float, float]
 
-GHOST_TINT: Colour = (0.05, 0.42, 0.95)
+GHOST_TINT: Colour = (0.015, 0.26, 0.85)
 """The blue of a decoded motion's ghost, linear."""
 
 

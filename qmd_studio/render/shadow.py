@@ -72,7 +72,7 @@ def _darkness(x: FloatArray, z: FloatArray, bone: tuple[FloatArray, FloatArray],
     away2 = (x - a[0] - t * along[0]) ** 2 + (z - a[1] - t * along[1]) ** 2
     height = np.maximum(bone[0][1] + t * (bone[1][1] - bone[0][1]), 0.0)
     width = _WIDTH_NEAR * stature + _WIDTH_PER_M * height
-    strength = 0.55 * (_WIDTH_NEAR * stature / width) * min(1.0, 8.0 * np.sqrt(length3) / stature)
+    strength = 0.68 * (_WIDTH_NEAR * stature / width) * min(1.0, 8.0 * np.sqrt(length3) / stature)
     return np.asarray(strength * np.exp(-away2 / (width * width)))
 
 

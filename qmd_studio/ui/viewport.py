@@ -17,7 +17,7 @@ from qmd_studio.errors import QmdStudioError
 from qmd_studio.render.camera import Camera
 from qmd_studio.render.overlay import TRIAD_INSET, TRIAD_RADIUS, triad_preset
 from qmd_studio.render.picking import Hit, pick
-from qmd_studio.render.quality import STILL, QualityController
+from qmd_studio.render.quality import STILL, Quality, QualityController
 from qmd_studio.render.renderer import Renderer
 from qmd_studio.render.scene import Actor, Scene
 from qmd_studio.ui.viewport_keys import Drag, drag_of, verb_of
@@ -62,6 +62,7 @@ class Viewport(QOpenGLWidget):
         self.setMinimumSize(160, 120)
         self.setAccessibleName(self.tr("Viewport"))
         self.animated = True
+        self.fixed_quality: Quality | None = None
         self.picked_actor = 0
         self._renderer: Renderer | None = None
         self._quality: QualityController | None = None
@@ -213,7 +214,7 @@ class Viewport(QOpenGLWidget):
             self._camera,
             size,
             framebuffer=self.defaultFramebufferObject(),
-            quality=STILL if self._still else controller.quality,
+            quality=self.fixed_quality or (STILL if self._still else controller.quality),
             pixel_ratio=ratio,
         )
         renderer.wait()
