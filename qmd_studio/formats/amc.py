@@ -12,8 +12,9 @@ import numpy as np
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_parse import LARGEST
+from qmd_studio.formats.asf_write import check_acclaim
 from qmd_studio.motion.motion import Motion
-from qmd_studio.motion.skeleton import ColumnKind, SkeletonKind
+from qmd_studio.motion.skeleton import ColumnKind
 
 AMC_FPS = 120.0
 """The rate of an AMC that does not say its own; the CMU database's is 120."""
@@ -208,20 +209,15 @@ def write_amc(motion: Motion) -> bytes:
     """Return the bytes of an AMC in degrees, with 14 digits: reading it and writing it again gives the same bytes.
 
     A frame rate other than the usual 120 is put in the header, where readers that don't know of it pass over it.
-    Raises `FormatError` where the motion is not on an ASF skeleton.
+    Raises `FormatError` where the motion is not on an ASF skeleton, or on one that an ASF cannot hold.
     """
     skeleton = motion.skeleton
-    if skeleton.kind is not SkeletonKind.ASF:
-        raise FormatError(
-            "an AMC holds motions of ASF skeletons only",
-            got=f"a skeleton of kind {skeleton.kind.value}",
-            hint="It would have to be retargeted first",
-        )
+    check_acclaim(skeleton)
     turns = np.array([column.kind is ColumnKind.ROTATION for column in skeleton.columns])
     values = motion.X / np.where(turns, np.pi / 180, skeleton.metres_per_unit)
     names = [skeleton.joints[column.joint].name for column in skeleton.columns]
-    lines = [f"{bone.replace('%', '%%')} {' '.join(['%.14g'] * len(list(group)))}\n" for bone, group in groupby(names)]
-    template = "".join(lines)
+    runs = [(bone.replace("%", "%%"), len(list(group))) for bone, group in groupby(names)]
+    template = "".join(f"{bone} {' '.join(['%.14g'] * count)}\n" for bone, count in runs)
     frames = [f"{number}\n{template % tuple(row)}" for number, row in enumerate(values.tolist(), start=1)]
     rate = "" if motion.fps == AMC_FPS else f"{_text(_RATE).upper()} {float(motion.fps)!r}\n"
     return (rate + ":FULLY-SPECIFIED\n:DEGREES\n" + "".join(frames)).encode()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import permutations
+from itertools import groupby, permutations
 
 import numpy as np
 
@@ -21,9 +21,7 @@ def write_asf(skeleton: Skeleton) -> bytes:
 
     Raises `FormatError` where the skeleton is not an ASF's.
     """
-    if skeleton.kind is not SkeletonKind.ASF:
-        got = f"a skeleton of kind {skeleton.kind.value}"
-        raise FormatError("an ASF holds ASF skeletons only", got=got, hint="It would have to be retargeted first")
+    check_acclaim(skeleton)
     frames = _frames(skeleton)
     unit = skeleton.metres_per_unit
     root = skeleton.joints[0]
@@ -46,6 +44,30 @@ def write_asf(skeleton: Skeleton) -> bytes:
         if children:
             lines.append(f"    {joint.name} {' '.join(children)}")
     return ("\n".join([*lines, "  end"]) + "\n").encode()
+
+
+def check_acclaim(skeleton: Skeleton) -> None:
+    """Raise `FormatError` where ASF and AMC cannot hold what `skeleton` is, with the first reason."""
+    if skeleton.kind is not SkeletonKind.ASF:
+        raise FormatError(
+            "Acclaim files hold motions of ASF skeletons only",
+            got=f"a skeleton of kind {skeleton.kind.value}",
+            hint="It would have to be retargeted first",
+        )
+    names = [joint.name for joint in skeleton.joints]
+    for index, joint in enumerate(skeleton.joints):
+        if (joint.name == "root") != (index == 0) or (joint.parent < 0) != (index == 0) or names.count(joint.name) > 1:
+            raise FormatError(
+                "Acclaim wants one root, called so, and bones of different names", at=f"joint {joint.name!r}"
+            )
+        if not joint.name.isprintable() or len(joint.name.split()) != 1 or "#" in joint.name or " " in joint.name:
+            raise FormatError("the name cannot stand in an Acclaim file", at=f"joint {joint.name!r}", wanted="one word")
+    runs = [joint for joint, _ in groupby(column.joint for column in skeleton.columns)]
+    for column in skeleton.columns:
+        turns, moves = column.kind is ColumnKind.ROTATION, column.kind is ColumnKind.TRANSLATION
+        plain = column.sign == 1 and column.rest == 0 and runs.count(column.joint) == 1
+        if not plain or not (turns or (moves and column.joint == 0)):
+            raise FormatError("the column cannot stand in an Acclaim file", at=f"column {column.name!r}")
 
 
 def _frames(skeleton: Skeleton) -> list[FloatArray]:

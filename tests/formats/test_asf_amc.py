@@ -20,6 +20,7 @@ from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import SkeletonKind
 from tests.corpus import corpus_file, corpus_files
 from tests.formats.damage import assert_ends_well, assert_every_prefix_ends_well, damaged
+from tests.generated_motion import walker
 
 ASF = b"""# a leg
 :version 1.10
@@ -370,6 +371,30 @@ def test_other_skeletons_are_not_written_as_acclaim(tmp_path):
     assert not list(tmp_path.glob("x.*"))
 
 
+@pytest.mark.parametrize("name", ["two words", "a#b", "line\nbreak", "", "root", "thigh"])
+def test_names_that_would_not_read_back_are_not_written(tmp_path, name):
+    motion = opened(tmp_path).motion
+    joints = tuple(replace(j, name=name) if j.name == "back" else j for j in motion.skeleton.joints)
+    other = replace(motion, skeleton=replace(motion.skeleton, joints=joints))
+    with pytest.raises(FormatError, match="Acclaim"):
+        FORMAT.write(other)
+    with pytest.raises(FormatError, match="Acclaim"):
+        SKELETON_FORMAT.write(other)
+
+
+def test_columns_that_acclaim_has_no_words_for_are_not_written(tmp_path):
+    motion = opened(tmp_path).motion
+    columns = motion.skeleton.columns
+    back = columns[6]
+    for changed in (
+        (*columns[:6], replace(back, sign=-1), *columns[7:]),
+        (*columns[:3], replace(columns[3], rest=0.5), *columns[4:]),
+        (*columns[:2], replace(columns[2], joint=2, name="thigh tz"), *columns[3:]),
+    ):
+        with pytest.raises(FormatError, match="column"):
+            FORMAT.write(replace(motion, skeleton=replace(motion.skeleton, columns=changed)))
+
+
 def test_every_prefix_of_motion_and_skeleton_ends_well(tmp_path):
     (tmp_path / "leg.asf").write_bytes(ASF)
     options = ReadOptions(path=tmp_path / "leg.amc")
@@ -416,3 +441,16 @@ def test_long_chain_of_bones_ends_well():
     asf = b":root\n:bonedata\n" + bones + b":hierarchy\nroot 0\n" + chain
     loaded = assert_ends_well(lambda data: read_asf(data, ReadOptions()), asf)
     assert len(loaded.skeleton.joints) == 1_001
+
+
+def test_generated_walk_comes_back_from_acclaim_as_it_was(tmp_path):
+    motion = walker(40)
+    registry.save_motion(tmp_path / "walk.amc", motion)
+    again = registry.open_file(tmp_path / "walk.amc").motion
+    np.testing.assert_allclose(again.X, motion.X, rtol=0, atol=1e-9)
+    ours, theirs = (
+        dict(zip(m.skeleton.point_names, point_positions(m.skeleton, m.X).transpose(1, 0, 2), strict=True))
+        for m in (motion, again)
+    )
+    for name, places in ours.items():
+        np.testing.assert_allclose(theirs[name.replace("_end", " end")], places, rtol=0, atol=1e-9)
