@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 import subprocess
 import sys
+import tomllib
 import zipfile
 from email.parser import Parser
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from qmd_studio import __version__
 
@@ -74,6 +77,25 @@ def test_installed_package_finds_its_resources(wheel: zipfile.ZipFile, tmp_path:
         [sys.executable, "-P", "-c", code], cwd="/", env=_path(tmp_path), capture_output=True, text=True
     )
     assert run.stdout.split() == ["True", str(tmp_path / "qmd_studio" / "resources")], run.stderr
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("requirements*.txt")), ids=lambda path: path.name)
+def test_pins_are_names_versions_and_markers_only(path: Path) -> None:
+    pin = re.compile(r"[a-z0-9-]+==[0-9][0-9a-z.]*( ; [a-z_]+ (<|>=|==|!=) '[^']+')?")
+    assert [line for line in path.read_text().splitlines() if not pin.fullmatch(line)] == []
+
+
+def test_every_dependency_is_pinned_within_its_range() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    pins = [Requirement(line) for line in (ROOT / "requirements.txt").read_text().splitlines()]
+    for wanted in map(Requirement, project["dependencies"]):
+        versions = [str(pin.specifier).removeprefix("==") for pin in pins if _same_name(pin.name, wanted.name)]
+        assert versions, f"{wanted} is not pinned: make pins"
+        assert all(version in wanted.specifier for version in versions), f"{wanted} is pinned to {versions}"
+
+
+def _same_name(one: str, other: str) -> bool:
+    return re.sub("[-_.]+", "-", one).lower() == re.sub("[-_.]+", "-", other).lower()
 
 
 @pytest.mark.parametrize("words", [["--help"], ["encode", "--help"], ["--version"], ["encode", "--nonsense"]])
