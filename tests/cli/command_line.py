@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,6 @@ from qmd_studio.formats.asf_write import write_asf
 from qmd_studio.motion.motion import Motion
 
 ROOT = Path(__file__).resolve().parents[2]
-CORPUS = Path(os.environ.get("QMD_CORPUS", ROOT.parent / "shared" / "corpus"))
 
 
 @dataclass(frozen=True)
@@ -49,13 +47,6 @@ class Qmd:
     def line(self, words: str) -> Outcome:
         """Call with the words of one line, none of which holds a space."""
         return self(*words.split())
-
-
-def corpus(file: str) -> Path:
-    path = CORPUS / file
-    if not path.exists():
-        pytest.skip(f"the corpus of real motions is not here: no {path} (QMD_CORPUS names its folder)")
-    return path
 
 
 def write_walk(folder: Path, *, n_frames: int = 60) -> Path:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from command_line import Qmd, corpus, write_motion, write_walk
+from command_line import Qmd, write_motion, write_walk
+from corpus import corpus_file
 from generated_motion import walker
 
 KEYS = {
@@ -65,7 +66,7 @@ def test_closed_loop_is_the_default_and_closer(qmd: Qmd, tmp_path: Path) -> None
 def test_papers_error_and_thirty_times_less_on_real_motion(
     qmd: Qmd, tmp_path: Path, take: str, paper_def: float
 ) -> None:
-    path = corpus(f"cmu_asfamc/{take}.amc")
+    path = corpus_file(f"cmu_asfamc/{take}.amc")
     paper = qmd("encode", path, tmp_path / "paper.qmd", "--encoder", "paper", "--json").json
     closed = qmd("encode", path, tmp_path / "closed.qmd", "--json").json
     assert paper["def"] == pytest.approx(paper_def, rel=0.03)

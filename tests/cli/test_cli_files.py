@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import Qmd, corpus
+from command_line import Qmd
+from corpus import corpus_file
 
 from qmd_studio import registry
 
@@ -43,7 +44,7 @@ def test_info_for_people_notes_what_was_assumed(qmd: Qmd, walk: Path) -> None:
     ],
 )
 def test_info_of_real_motions(qmd: Qmd, file: str, frames: int, dofs: int, joints: int) -> None:
-    info = qmd("info", corpus(file), "--json").json
+    info = qmd("info", corpus_file(file), "--json").json
     assert set(info) == INFO_KEYS
     assert (info["format"], info["frames"], info["dofs"], info["joints"]) == (file[-3:], frames, dofs, joints)
     assert info["fps"] == pytest.approx(120, rel=1e-3)
@@ -52,7 +53,7 @@ def test_info_of_real_motions(qmd: Qmd, file: str, frames: int, dofs: int, joint
 
 @pytest.mark.corpus
 def test_incomplete_last_frame_is_a_warning(qmd: Qmd) -> None:
-    outcome = qmd("info", corpus("cmu_asfamc/07_12.amc"), "--json")
+    outcome = qmd("info", corpus_file("cmu_asfamc/07_12.amc"), "--json")
     assert outcome.code == 0
     assert outcome.json["frames"] == 244
     (warning,) = outcome.json["warnings"]
@@ -106,7 +107,7 @@ def test_frame_rate_is_overridden(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
 @pytest.mark.corpus
 def test_pair_that_needs_retargeting_is_refused_with_that_reason(qmd: Qmd, tmp_path: Path) -> None:
     out = tmp_path / "walk.bap"
-    outcome = qmd("convert", corpus("cmu_asfamc/02_01.amc"), out, "--json")
+    outcome = qmd("convert", corpus_file("cmu_asfamc/02_01.amc"), out, "--json")
     assert outcome.code == 1
     assert "retarget" in " ".join(str(value) for value in outcome.json.values())
     assert outcome.json["file"] == str(out)
