@@ -27,7 +27,7 @@ TABLE = "| what | ours | reference | ratio | bar |\n|---|---|---|---|---|\n"
 
 def rows_of(output: str) -> list[list[str]]:
     """Return the rows of five columns in what a benchmark printed."""
-    split = [[cell.strip() for cell in line.strip("| ").split("|")] for line in output.splitlines()]
+    split = [[cell.strip() for cell in line.split("|")] for line in output.splitlines()]
     return [cells for cells in split if len(cells) == N_COLUMNS]
 
 
