@@ -187,7 +187,8 @@ class Renderer:
             GL.glColorMask(True, True, True, True)
             GL.glDepthMask(False)
             GL.glEnable(GL.GL_BLEND)
-            GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+            # The picture stays opaque: with its alpha below 1 Qt would take bright colours for more than full.
+            GL.glBlendFuncSeparate(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA, GL.GL_ONE, GL.GL_ONE_MINUS_SRC_ALPHA)
             self._mesh(actor.body.surface).draw()
             GL.glDisable(GL.GL_BLEND)
 

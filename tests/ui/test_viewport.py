@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from OpenGL import GL
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QWidget
@@ -281,3 +282,15 @@ def test_old_driver_gets_a_message_and_no_crash(qtbot, monkeypatch):
     assert "OpenGL 3.3" in failed.args[0]
     assert view.failure == failed.args[0]
     assert pixels(view).std() > 2
+
+
+def test_ghost_leaves_the_picture_opaque(viewport):
+    """Else what lies behind the window shows through, and bright colours come out beyond their range."""
+    viewport.set_actors([actor(), actor(ghost=True)])
+    viewport.view_preset("front")
+    viewport.grabFramebuffer()
+    viewport.makeCurrent()
+    GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, viewport.defaultFramebufferObject())
+    opacity = GL.glReadPixels(0, 0, viewport.width(), viewport.height(), GL.GL_ALPHA, GL.GL_UNSIGNED_BYTE)
+    viewport.doneCurrent()
+    assert set(opacity) == {255}
