@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from itertools import count
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from qmd_studio.motion.skeleton import (
 REST_FPS = 120.0
 """The frame rate of a skeleton's one frame at rest."""
 
+_Columns = dict[str, list[tuple[int, Column]]]
 _PLAUSIBLE_STATURE_M = (0.9, 2.6)
 _HEAD = re.compile(rb"\s*:(version|name|units|documentation|root|bonedata|hierarchy)\b", re.IGNORECASE)
 
@@ -47,72 +49,58 @@ def skeleton_of(
     """
     unit, notes = _length_unit(asf, metres_per_unit)
     number = {name: index for index, name in enumerate(asf.bones)}
-    parents = tuple(number[asf.parents[name]] if name in asf.parents else -1 for name in asf.bones)
-    columns = _columns(asf, column_bones or asf.listed, dict(zip(asf.bones, depths(parents), strict=True)), unit)
-    by_joint: dict[int, dict[int, int]] = {}
-    for index, column in enumerate(columns):
-        if column.kind is ColumnKind.ROTATION:
-            by_joint.setdefault(column.joint, {})[column.axis] = index
-    joints: list[Joint] = []
-    sites: list[EndSite] = []
-    far_node = {"root": 0}
-    for name, bone in asf.bones.items():
-        parent = asf.bones[asf.parents[name]] if name in asf.parents else None
-        if parent is not None:
-            far_node.setdefault(parent.name, number[name])
-        turns = by_joint.get(number[name], {})
-        joints.append(
-            Joint(
-                name=name,
-                parent=parents[number[name]],
-                offset=_near_end(bone, parent, unit),
-                product=tuple(
-                    turns["xyz".index(letter)] for letter in reversed(bone.order) if "xyz".index(letter) in turns
-                ),
-                orientation=_matrix(bone.frame if parent is None else parent.frame.T @ bone.frame),
-            )
-        )
-    for name, bone in asf.bones.items():
-        if name not in far_node:
-            far_node[name] = len(joints) + len(sites)
-            sites.append(EndSite(f"{name} end", number[name], _vector(bone.frame.T @ bone.vector * unit)))
+    parents = [number[asf.parents[name]] if name in asf.parents else -1 for name in asf.bones]
+    columns = _columns(asf, column_bones or asf.listed, depths(tuple(parents)), unit)
+    first_child = {asf.parents[name]: number[name] for name in reversed(asf.bones) if name in asf.parents}
+    leaves = [name for name in asf.bones if name not in first_child and name != "root"]
+    far_end = {"root": 0, **{name: len(number) + index for index, name in enumerate(leaves)}}
     skeleton = Skeleton(
         name=asf.name,
         kind=SkeletonKind.ASF,
-        joints=tuple(joints),
-        end_sites=tuple(sites),
-        columns=tuple(columns),
-        points=tuple(far_node[name] for name in asf.bones),
+        joints=tuple(_joint(asf, name, parents[number[name]], columns, unit) for name in asf.bones),
+        end_sites=tuple(EndSite(f"{name} end", number[name], _far_end(asf.bones[name], unit)) for name in leaves),
+        columns=tuple(column for group in columns.values() for _, column in group),
+        points=tuple(far_end[name] if name in far_end else first_child[name] for name in asf.bones),
         metres_per_unit=unit,
     )
     return skeleton, notes
 
 
-def _near_end(bone: Bone, parent: Bone | None, unit: float) -> Vector3:
-    if parent is None:
-        return _vector(bone.vector * unit)
-    if parent.name == "root":
-        return (0.0, 0.0, 0.0)  # the root has no length: its bones start where it stands
-    return _vector(parent.frame.T @ parent.vector * unit)
+def _joint(asf: Asf, name: str, parent: int, columns: _Columns, unit: float) -> Joint:
+    """Return the joint at the near end of a bone, which turns in the bone's own frame."""
+    bone = asf.bones[name]
+    turns = {"xyz"[c.axis]: index for index, c in columns.get(name, []) if c.kind is ColumnKind.ROTATION}
+    product = tuple(turns[letter] for letter in reversed(bone.order) if letter in turns)
+    if parent < 0:
+        return Joint(name, parent, _vector(bone.vector * unit), product, _matrix(bone.frame))
+    inner = asf.bones[asf.parents[name]]
+    # the root has no length: its bones start where it stands
+    offset = (0.0, 0.0, 0.0) if inner.name == "root" else _far_end(inner, unit)
+    return Joint(name, parent, offset, product, _matrix(inner.frame.T @ bone.frame))
 
 
-def _columns(asf: Asf, column_bones: Sequence[str], depth: dict[str, int], unit: float) -> list[Column]:
+def _far_end(bone: Bone, unit: float) -> Vector3:
+    return _vector(bone.frame.T @ bone.vector * unit)
+
+
+def _columns(asf: Asf, column_bones: Sequence[str], depth: tuple[int, ...], unit: float) -> _Columns:
+    """Return each bone's columns with their places in the motion matrix."""
     number = {name: index for index, name in enumerate(asf.bones)}
-    columns = []
+    places = count()
+    columns: _Columns = {}
     for name in column_bones:
         bone = asf.bones[name]
         for dof, limits in zip(bone.dofs, bone.limits, strict=True):
             moves = dof[0] == "t"
-            columns.append(
-                Column(
-                    name=f"{name} {dof}",
-                    joint=number[name],
-                    kind=ColumnKind.TRANSLATION if moves else ColumnKind.ROTATION,
-                    axis="xyz".index(dof[1]),
-                    level=min(depth[name], MAX_LEVEL),
-                    limits=(limits[0] * unit, limits[1] * unit) if moves and limits else limits,
-                )
+            column = Column(
+                name=f"{name} {dof}",
+                joint=number[name],
+                kind=ColumnKind.TRANSLATION if moves else ColumnKind.ROTATION,
+                axis="xyz".index(dof[1]),
+                level=min(depth[number[name]], MAX_LEVEL),
+                limits=(limits[0] * unit, limits[1] * unit) if moves and limits else limits,
             )
+            columns.setdefault(name, []).append((next(places), column))
     return columns
 
 
