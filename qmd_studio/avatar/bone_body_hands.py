@@ -132,12 +132,12 @@ def _add_chain(shapes: ShapeList, plan: BodyPlan, chain: list[int], start: tuple
     for k in range(n_bones):
         if np.linalg.norm(points[k + 1] - points[k]) < 1e-4 * plan.unit:
             continue
-        thin = 0.75 if k < first else 1.0 - 0.07 * (k - first)
+        thin = 0.55 if k < first else 1.0 - 0.07 * (k - first)
         end = points[k + 1]
         if k == n_bones - 1:  # the tip's roundness lies within the bone
             back = points[k] - end
             end = end + back * min(0.5, 0.8 * radius / float(np.linalg.norm(back)))
-        shapes.add(capsule(points[k], end, (radius * thin, radius * (thin - 0.06)), (6, 8)), SKIN, chain[k])
+        shapes.add(capsule(points[k], end, (radius * thin, radius * (thin - 0.06)), (6, 10)), SKIN, chain[k])
 
 
 def _main_chain(plan: BodyPlan, arm: Limb, chains: list[list[int]]) -> list[int]:

@@ -47,7 +47,7 @@ _FOREARM: Profile = (
 )
 _USUAL_M = {"thigh": 0.4257, "shank": 0.422, "upper arm": 0.303, "forearm": 0.270}
 _HIP_BALL, _KNEE_BALL, _ANKLE_BALL = 0.060, 0.0475, 0.035
-_SHOULDER_BALL, _ELBOW_BALL, _WRIST_BALL = 0.0500, 0.0365, 0.0262
+_SHOULDER_BALL, _ELBOW_BALL, _WRIST_BALL = 0.0435, 0.0365, 0.0262
 _SOLE: Profile = (  # along the foot from the ankle, metres: half width, height over the sole, shift inwards
     (-0.056, 0.022, 0.034, 0.0),
     (-0.044, 0.032, 0.056, 0.0),
@@ -71,7 +71,7 @@ def add_arm(shapes: ShapeList, plan: BodyPlan, arm: Limb) -> None:
 
 def add_leg(shapes: ShapeList, plan: BodyPlan, leg: Limb) -> None:
     """Add a leg with its foot."""
-    _add_girdle(shapes, plan, leg, radius=0.060)
+    _add_girdle(shapes, plan, leg, radius=0.042)
     _add_parts(shapes, plan, leg, (("thigh", _THIGH), ("shank", _SHANK)))
     _add_balls(shapes, plan, leg, (_HIP_BALL, _KNEE_BALL, _ANKLE_BALL))
     _add_foot(shapes, plan, leg)
