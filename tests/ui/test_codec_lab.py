@@ -329,3 +329,16 @@ def test_the_view_is_chosen_by_button_or_by_the_window(open_lab):
     open_lab.set_view_mode("decoded")
     assert open_lab.view.button("decoded").isChecked()
     assert chosen == ["overlay", "decoded"]
+
+
+def test_old_figures_are_dimmed_until_the_new_ones_come(qtbot, open_lab, document):
+    value = open_lab.figures.def_.value
+    words, plain = value.text(), value.grab().toImage()
+    document.execute(SetCodecSettings(QmdSettings(fdf=9)))
+    assert open_lab.figures.stale
+    assert value.text() == words
+    assert value.grab().toImage() != plain
+    settled(qtbot, open_lab)
+    document.undo()
+    settled(qtbot, open_lab)
+    assert value.grab().toImage() == plain
