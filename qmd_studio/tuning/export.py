@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from qmd_studio.errors import StorageError
 from qmd_studio.storage import read_bytes, write_atomic
 
 _FORBIDDEN = frozenset('<>:"/\\|?*')
+_SETTINGS_IN_NAME = re.compile(r"(?<=.)__fdf\d+_b\d+_nd\d+(_[a-z0-9.]+)*(-\d+)?$")
 _MAX_NUMBER = 9999
 
 
@@ -27,8 +29,9 @@ def suggested_name(stem: str, settings: QmdSettings, n_rows: int) -> str:
     """Return the file name for an encoding of `n_rows` differences, "walk__fdf6_b8_nd342.qmd".
 
     The paper's encoder adds "_paper", and k and RQT where they are not its defaults. Characters that a file system
-    refuses become "_".
+    refuses become "_"; settings that an earlier export left at the end of the stem go.
     """
+    stem = _SETTINGS_IN_NAME.sub("", stem)
     cleaned = "".join("_" if c in _FORBIDDEN or ord(c) < 32 else c for c in stem).strip(". ") or "motion"
     name = f"{cleaned}__fdf{settings.fdf}_b{settings.bits}_nd{settings.segment or n_rows}"
     if settings.encoder is not Encoder.CLOSED:

@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
+    QAbstractSlider,
     QAbstractSpinBox,
     QApplication,
     QComboBox,
@@ -25,6 +26,16 @@ _MOVES = {
     Qt.Key.Key_Backspace,
     Qt.Key.Key_Delete,
     Qt.Key.Key_Escape,
+}
+_STEPS = {
+    Qt.Key.Key_Left,
+    Qt.Key.Key_Right,
+    Qt.Key.Key_Up,
+    Qt.Key.Key_Down,
+    Qt.Key.Key_Home,
+    Qt.Key.Key_End,
+    Qt.Key.Key_PageUp,
+    Qt.Key.Key_PageDown,
 }
 _EDITING = (
     QKeySequence.StandardKey.Undo,
@@ -60,6 +71,8 @@ def claims(widget: QWidget, event: QKeyEvent) -> bool:
     if is_typed_in(widget):
         typed = bare and bool(event.text()) and event.text().isprintable()
         return typed or key in _MOVES or any(event.matches(standard) for standard in _EDITING)
+    if isinstance(widget, QAbstractSlider):
+        return modifiers == Qt.KeyboardModifier.NoModifier and key in _STEPS
     if isinstance(widget, QAbstractButton | QComboBox):
         return bare and key in _PRESSES
     return False

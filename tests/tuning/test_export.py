@@ -25,6 +25,11 @@ def test_a_name_that_no_file_can_have_becomes_one(stem, start):
     assert suggested_name(stem, QmdSettings(), 9).startswith(start)
 
 
+@pytest.mark.parametrize("stem", ["walk__fdf11_b9_nd90", "walk__fdf6_b8_nd9_paper_k2_rqt500-3"])
+def test_a_file_that_is_exported_again_names_its_settings_once(stem):
+    assert suggested_name(stem, QmdSettings(), 342) == "walk__fdf6_b8_nd342.qmd"
+
+
 def test_another_file_of_that_name_is_left_alone(tmp_path):
     path = tmp_path / "walk.qmd"
     path.write_bytes(b"another")
