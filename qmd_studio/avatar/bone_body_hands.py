@@ -137,7 +137,11 @@ def _add_chain(shapes: ShapeList, plan: BodyPlan, chain: list[int], start: tuple
         if k == n_bones - 1:  # the tip's roundness lies within the bone
             back = points[k] - end
             end = end + back * min(0.5, 0.8 * radius / float(np.linalg.norm(back)))
-        shapes.add(capsule(points[k], end, (radius * thin, radius * (thin - 0.06)), (6, 10)), SKIN, chain[k])
+        shapes.add(
+            capsule(points[k], end, (radius * thin, radius * (thin - 0.06)), (6, 10 if k >= first else 5)),
+            SKIN,
+            chain[k],
+        )
 
 
 def _main_chain(plan: BodyPlan, arm: Limb, chains: list[list[int]]) -> list[int]:
