@@ -24,7 +24,7 @@ from qmd_studio.ui.keys import KeyGuard
 from qmd_studio.ui.main_window import MainWindow
 from qmd_studio.ui.settings import ORGANISATION, Settings
 from qmd_studio.ui.theme import Theme, ThemeSwitch
-from qmd_studio.ui.viewport import viewport_format
+from qmd_studio.ui.viewport_format import viewport_format
 
 INTERRUPT_POLL_MS = 300
 TIME_FIRST_PAINT = "QMD_STUDIO_TIME_FIRST_PAINT"

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QFont, QFontMetricsF, QKeyEvent, QMouseEvent, QPainter, QSurfaceFormat, QWheelEvent
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QKeyEvent, QMouseEvent, QPainter, QWheelEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QToolTip, QWidget
 
@@ -20,6 +20,7 @@ from qmd_studio.render.picking import Hit, pick
 from qmd_studio.render.quality import STILL, Quality, QualityController
 from qmd_studio.render.renderer import Renderer
 from qmd_studio.render.scene import Actor, Scene
+from qmd_studio.ui.viewport_format import viewport_format
 from qmd_studio.ui.viewport_keys import Drag, drag_of, verb_of
 
 _ORBIT_RADIANS = 2.6
@@ -28,17 +29,6 @@ _GLIDE_S = 0.07
 _STILL_AFTER_MS = 220
 _HOVER_AFTER_MS = 120
 _CLICK_PIXELS = 4
-
-
-def viewport_format() -> QSurfaceFormat:
-    """Return the surface that the viewport needs; make it the default before the application is made."""
-    surface = QSurfaceFormat()
-    surface.setVersion(3, 3)
-    surface.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
-    surface.setDepthBufferSize(0)
-    surface.setSamples(0)
-    surface.setSwapInterval(1)
-    return surface
 
 
 class Viewport(QOpenGLWidget):

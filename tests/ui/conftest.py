@@ -9,7 +9,7 @@ from qmd_studio.ui.keys import KeyGuard
 from qmd_studio.ui.main_window import MainWindow
 from qmd_studio.ui.settings import SETTINGS_VARIABLE, Settings
 from qmd_studio.ui.theme import Theme, ThemeSwitch
-from qmd_studio.ui.viewport import viewport_format
+from qmd_studio.ui.viewport_format import viewport_format
 
 QSurfaceFormat.setDefaultFormat(viewport_format())
 
