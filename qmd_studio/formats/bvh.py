@@ -9,7 +9,7 @@ import numpy as np
 
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.bvh_hierarchy import BvhNode, parse_hierarchy, parse_number
-from qmd_studio.formats.bvh_numbers import MotionHead, Rows, line_at, parse_head, parse_rows
+from qmd_studio.formats.bvh_numbers import MotionHead, Rows, parse_head, parse_rows
 from qmd_studio.formats.bvh_write import write
 from qmd_studio.formats.frame_rate import rate_from_frame_time
 from qmd_studio.formats.length_unit import with_guessed_unit
@@ -48,10 +48,11 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
         warning = f"the file has no {missing}: its skeleton stands at rest"
         return Loaded(skeleton, _at_rest(skeleton, options), warnings=(warning,), notes=(note,))
     head = parse_head(data, found.end())
-    rows = parse_rows(data[head.end :], skeleton.n_columns, line_at(data, head.end))
+    rows = parse_rows(data, skeleton.n_columns, head.end)
     warnings = _check_counts(head, rows)
     fps = options.fps if options.fps is not None else _rate(head)
-    values = rows.values * _factors(skeleton)
+    values = rows.values
+    values *= _factors(skeleton)  # in place: they are this call's own
     values.flags.writeable = False  # the motion then keeps it without a copy
     return Loaded(skeleton, Motion(skeleton, values, fps, name=_name(options)), warnings=warnings, notes=(note,))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import sys
 from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,6 +17,11 @@ from qmd_studio.formats.bvh_hierarchy import SHOWN_CHARACTERS, parse_number
 
 _COUNT = re.compile(rb"\s*MOTION\s*Frames\s*:?\s*([^\s:]+)", re.IGNORECASE)
 _TIME = re.compile(rb"\s*Frame\s*Time\s*:?\s*([^\s:]+)", re.IGNORECASE)
+_INK = re.compile(rb"\S")
+_END_MARKS = (b"\x1a", b"\x00")
+"""Old editors end a file with Ctrl-Z, or fill it up with zeros."""
+_LARGE_BYTES = 1 << 22
+_HUGE_BYTES = 1 << 27
 _NEWLINE = re.compile(rb"\r\n|\r|\n")
 
 
@@ -62,25 +68,41 @@ def parse_head(data: bytes, start: int) -> MotionHead:
     )
 
 
-def parse_rows(block: bytes, n_columns: int, first_line: int) -> Rows:
-    """Parse the numbers of `block` into rows of `n_columns` (at least 1), whatever lines they are broken over.
+def parse_rows(data: bytes, n_columns: int, start: int = 0) -> Rows:
+    """Parse the numbers of `data` from byte `start` into rows of `n_columns` (at least 1), however the lines break.
 
-    `first_line` is the line on which the block begins. Raises `FormatError` with the line for a word that is not a
-    finite number and for a line that does not end where a row ends.
+    Raises `FormatError` with the line for a word that is not a finite number and for a line that does not end where a
+    row ends. The text is not copied on the way: large files are what time and memory are spared for.
     """
-    block = block.rstrip(b"\x00\x1a \t\r\n")  # old editors end a file with Ctrl-Z
-    if b"," in block and b"." not in block:
-        block = block.replace(b",", b".")
-    if not block.strip():
+    first_line = line_at(data, start)
+    if data.endswith(_END_MARKS):
+        data = data.rstrip(b"\x00\x1a \t\r\n")
+    if data.find(b",", start) >= 0 and data.find(b".", start) < 0:
+        data = data.replace(b",", b".")
+    if _INK.search(data, start) is None:
         return Rows(np.zeros((0, n_columns)), 0, first_line)
+    if _compiling_pays(len(data) - start):
+        from qmd_studio.formats.number_kernel import parse_even_rows
+
+        matrix = parse_even_rows(data, n_columns, start)
+        if matrix is not None:
+            return Rows(matrix, 0, first_line)
     try:
-        # NumPy's C reader is the fastest strict one at hand; it grows with what is there, not with the count.
-        values = np.loadtxt(_lines(block), dtype=np.float64, comments=None, ndmin=2)
+        # NumPy's C reader is strict, and it grows with what is there, not with the count.
+        values = np.loadtxt(_lines(data, start, "ascii"), dtype=np.float64, comments=None, ndmin=2)
     except ValueError:
-        return _rows_by_word(block, n_columns, first_line)
+        return _rows_by_word(_lines(data, start, "latin-1"), n_columns, first_line)
     if values.shape[1] != n_columns or not np.isfinite(values).all():
-        return _rows_by_word(block, n_columns, first_line)
+        return _rows_by_word(_lines(data, start, "latin-1"), n_columns, first_line)
     return Rows(values, 0, first_line)
+
+
+def _compiling_pays(n_bytes: int) -> bool:
+    """Tell whether a block is worth the compiled reader: one that gains more than numba takes to load, if it has to.
+
+    Both readers round every number right, so the choice shows in the time only.
+    """
+    return n_bytes >= (_LARGE_BYTES if "numba" in sys.modules else _HUGE_BYTES)
 
 
 def line_at(data: bytes, position: int) -> int:
@@ -88,11 +110,11 @@ def line_at(data: bytes, position: int) -> int:
     return 1 + sum(1 for _ in _NEWLINE.finditer(data, 0, position))
 
 
-def _rows_by_word(block: bytes, n_columns: int, first_line: int) -> Rows:
+def _rows_by_word(lines: Iterator[str], n_columns: int, first_line: int) -> Rows:
     """Parse word by word: the slow way that copes with broken lines and can say what is wrong where."""
     values = array("d")
     filled, row_line = 0, first_line
-    for number, line in enumerate(_lines(block), first_line):
+    for number, line in enumerate(lines, first_line):
         words = line.split()
         if not words:
             continue
@@ -121,8 +143,11 @@ def _number(word: str, line: int) -> float:
         raise FormatError("this is no number", at=f"line {line}", wanted="a finite number", got=shown) from None
 
 
-def _lines(block: bytes) -> Iterator[str]:
-    return io.TextIOWrapper(io.BytesIO(block), encoding="latin-1", newline=None)
+def _lines(data: bytes, start: int, encoding: str) -> Iterator[str]:
+    """Return the lines from byte `start`, which CR, LF and CRLF each end."""
+    stream = io.BytesIO(data)
+    stream.seek(start)
+    return io.TextIOWrapper(stream, encoding=encoding, newline=None)
 
 
 def _shown(found: re.Match[bytes]) -> str:
