@@ -5,6 +5,7 @@ The modules are imported when a file is first opened or written, so that asking 
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -43,6 +44,7 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
     Raises `StorageError` where it cannot be read, and `FormatError`, naming the file, where its content is wrong.
     """
     path = Path(path)
+    _check_options(options)
     data = read_bytes(path)
     try:
         chosen = recognise(data, path)
@@ -130,6 +132,12 @@ def _read_qmd(data: bytes, options: ReadOptions) -> Loaded:
     if options.fps is not None:
         motion = replace(motion, fps=options.fps)
     return Loaded(motion.skeleton, motion)
+
+
+def _check_options(options: ReadOptions) -> None:
+    for name, value in (("frame rate", options.fps), ("length unit", options.metres_per_unit)):
+        if value is not None and not 0 < value < math.inf:
+            raise FormatError(f"the {name} given is not a positive number", wanted="a number above 0", got=f"{value:g}")
 
 
 def _with_path(options: ReadOptions, path: Path) -> ReadOptions:

@@ -47,6 +47,14 @@ def test_options_reach_the_reader_with_the_path(tmp_path, motion):
     assert loaded.skeleton.joints[1].offset == (0.0, 0.25, 0.0)
 
 
+@pytest.mark.parametrize("options", [{"fps": 0}, {"fps": float("nan")}, {"metres_per_unit": -1}])
+def test_options_that_mean_nothing_are_refused(tmp_path, motion, options):
+    path = tmp_path / "nod.bvh"
+    registry.save_motion(path, motion)
+    with pytest.raises(FormatError, match="positive"):
+        registry.open_file(path, ReadOptions(**options))
+
+
 @pytest.mark.parametrize(
     ("name", "content"), [("a.bvh", b""), ("a.bvh", b"HIERARCHY ROOT"), ("a.xyz", b"what"), ("a.npz", b"PK\x03\x04")]
 )
