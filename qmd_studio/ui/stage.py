@@ -6,10 +6,12 @@ from collections.abc import Callable
 from enum import StrEnum
 from functools import lru_cache
 
+import numpy as np
 from PySide6.QtCore import QObject
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Body
+from qmd_studio.avatar.upright import upright
 from qmd_studio.motion.kinematics import rest_values, world_from_joint
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
@@ -38,6 +40,7 @@ class Stage(QObject):
         self._overlay = Overlay.ORIGINAL
         self._follows = True
         self._stands_at: FloatArray | None = None
+        self._upright = np.eye(4)
         self._default: list[Actor] = []
         playhead.moved.connect(self._pose)
 
@@ -72,6 +75,7 @@ class Stage(QObject):
             self._stands_at = None  # another body: the camera is framed anew, not carried there
         if clip is None or before is None or clip.motion is not before.motion:
             self._decoded = None
+            self._upright = upright(clip.motion) if clip is not None else np.eye(4)
         self._pose()
 
     def show_decoded(self, decoded: Callable[[], Motion] | None) -> None:
@@ -110,7 +114,7 @@ class Stage(QObject):
 
     def _matrices(self, motion: Motion) -> FloatArray:
         index = min(self._playhead.index, motion.n_frames - 1)
-        return world_from_joint(motion.skeleton, motion.X[index : index + 1])[0]
+        return self._upright @ world_from_joint(motion.skeleton, motion.X[index : index + 1])[0]
 
 
 def body_of(clip: Clip) -> Body:

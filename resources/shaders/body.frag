@@ -30,6 +30,8 @@ vec3 film(vec3 light) {  // a rational shoulder: linear in the dark, soft in the
 void main() {
     vec3 n = normalize(facing);
     vec3 v = dot(sight, sight) > 0.0 ? -sight : normalize(eye - world);
+    if (dot(n, v) < -0.3)
+        n = -n;  // a foreign mesh that is inside out is lit all the same
     float facing_eye = clamp(dot(n, v), 0.0, 1.0);
     vec3 skin = mix(base, tint.rgb, tint.a);
     skin = mix(skin, texture(heat_map, vec2(warmth.x, 0.5)).rgb, warmth.y);
