@@ -54,8 +54,10 @@ def _add_rest(shapes: ShapeList, plan: BodyPlan, *, human: bool) -> None:
     thickest = (0.016 if human else 0.05) * plan.unit
     for joint, child in bones:
         start, end = plan.nodes[joint], plan.nodes[child]
-        if joint in hidden:
-            middle = _inside_head(plan, (start + end) / 2)
+        parent = plan.parents[joint]
+        in_chest = human and parent in plan.spine and np.linalg.norm(end - start) < 0.15 * plan.unit
+        if joint in hidden or in_chest:
+            middle = plan.nodes[parent] if in_chest else _inside_head(plan, (start + end) / 2)
             shapes.add(ellipsoid(middle, np.eye(3) * 0.01 * plan.unit, (2, 4)), EXTRA, joint)
             continue
         radius = min(0.16 * float(np.linalg.norm(end - start)), thickest)
