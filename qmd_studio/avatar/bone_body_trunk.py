@@ -8,6 +8,7 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft
+from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import ACCENT, EYE, SKIN
 from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import Shape, ShapeList, along_joints, ellipsoid, outward
@@ -178,6 +179,6 @@ def _spine_point(plan: BodyPlan, trunk: Trunk, place: float) -> FloatArray:
     return np.asarray(0.6 * point + 0.4 * middle)
 
 
-def _apart(plan: BodyPlan, limbs: tuple[object, ...]) -> float:
-    a, b = (plan.nodes[limb.upper[0]] for limb in limbs)  # type: ignore[attr-defined]
+def _apart(plan: BodyPlan, limbs: tuple[Limb, ...]) -> float:
+    a, b = (plan.nodes[limb.upper[0]] for limb in limbs)
     return float(np.linalg.norm(a - b))

@@ -1,4 +1,4 @@
-"""The colour map of errors and other scalars: from blue through white-grey to red-orange, safe for the colour-blind."""
+"""The colour map of errors and other scalars: dark blue through grey to bright yellow, safe for the colour-blind."""
 
 from __future__ import annotations
 
