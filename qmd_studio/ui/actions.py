@@ -58,7 +58,7 @@ VERBS: tuple[Verb, ...] = (
     Verb("redo", "&Redo", "edit", 1, "Do the change that was taken back again", ("Ctrl+Shift+Z", "Ctrl+Y"), "redo", Needs.REDO),
     Verb("rename_clip", "Re&name clip", "edit", 2, "Give the shown clip another name", ("F2",), "", _C),
     Verb("dismiss", "&Dismiss message", "edit", 3, "Close the newest message in the window", ("Esc",)),
-    Verb("frame_all", "Frame &all", "view", 1, "Move the camera so that the whole body is seen", ("Shift+F",), "frame-all", _C),
+    Verb("frame_all", "Frame &all", "view", 1, "Move the camera so that the whole body is seen", ("Shift+F",), "frame-all"),
     Verb("frame_selection", "Frame &selection", "view", 1, "Move the camera to the selected joint", ("F",), "frame-selection", Needs.SELECTION),
     Verb("follow", "Fo&llow body", "view", 1, "Let the camera go along with the body", ("Ctrl+F",), "", _C, True),
     Verb("view_front", "Fr&ont", "view_from", 1, "Look from the front", ("1",)),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
@@ -28,16 +30,22 @@ class Banner(QFrame):
         row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8, 8)
         row.setSpacing(12)
-        lamp = QLabel()
-        lamp.setPixmap(tinted_icon(kind, colour).pixmap(20, 20))
-        row.addWidget(lamp, 0, Qt.AlignmentFlag.AlignTop)
+        self._lamp = QLabel()
+        row.addWidget(self._lamp, 0, Qt.AlignmentFlag.AlignTop)
         row.addLayout(self._words(), 1)
-        row.addWidget(self._button("copy", self.tr("Copy this message"), self._copy), 0, Qt.AlignmentFlag.AlignTop)
-        row.addWidget(
-            self._button("close", self.tr("Dismiss this message  (Esc)"), self.dismissed.emit),
-            0,
-            Qt.AlignmentFlag.AlignTop,
-        )
+        self._buttons = {
+            "copy": self._button(self.tr("Copy this message"), self._copy),
+            "close": self._button(self.tr("Dismiss this message  (Esc)"), self.dismissed.emit),
+        }
+        for button in self._buttons.values():
+            row.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
+        self.draw_icons(colour)
+
+    def draw_icons(self, colour: str) -> None:
+        """Draw the icons for the present theme, the lamp in `colour`."""
+        self._lamp.setPixmap(tinted_icon(self.kind, colour).pixmap(20, 20))
+        for name, button in self._buttons.items():
+            button.setIcon(icon(name))
 
     @property
     def text(self) -> str:
@@ -60,9 +68,8 @@ class Banner(QFrame):
             words.addWidget(label)
         return words
 
-    def _button(self, name: str, tip: str, clicked: object) -> QToolButton:
+    def _button(self, tip: str, clicked: Callable[[], None]) -> QToolButton:
         button = QToolButton()
-        button.setIcon(icon(name))
         button.setToolTip(tip)
         button.setAccessibleName(tip)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)

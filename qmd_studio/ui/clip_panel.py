@@ -73,6 +73,7 @@ class ClipPanel(QWidget):
         field.setRange(0.01, MAX_FPS)
         field.setDecimals(3)
         field.setSuffix(self.tr(" fps"))
+        field.setSpecialValueText("–")
         field.setKeyboardTracking(False)
         field.setAccessibleName(self.tr("Frame rate"))
         field.setToolTip(self.tr("Frames a second of this clip; its frames stay as they are"))
@@ -95,6 +96,9 @@ class ClipPanel(QWidget):
             for label in (self._frames, self._dofs, self._duration):
                 label.setText("–")
             self._notes.clear()
+            with QSignalBlocker(self.fps):
+                self.fps.setValue(self.fps.minimum())
+            self.unit.clear()
             return
         motion = clip.motion
         self._frames.setText(str(motion.n_frames))

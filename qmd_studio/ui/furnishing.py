@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING
 
+from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.ui.codec_lab import CodecLab
 from qmd_studio.ui.codec_lab_export import ask_for_path
 from qmd_studio.ui.error_strip import ErrorStrip
-from qmd_studio.ui.stage import Overlay
+from qmd_studio.ui.stage import Overlay, Stage
 
 if TYPE_CHECKING:
     from qmd_studio.tuning.report import EncodeReport
@@ -20,6 +22,16 @@ def furnish_window(window: MainWindow) -> None:
     _bring_lab(window)
     if not window.document.state.clips:
         window.viewport.frame_all()
+    threading.Thread(target=_warm_kinematics, args=(window.stage,), name="warm-up", daemon=True).start()
+
+
+def _warm_kinematics(stage: Stage) -> None:
+    from qmd_studio.motion.bap import bap_skeleton
+    from qmd_studio.motion.fast_kinematics import world_from_joint_fast
+
+    skeleton = bap_skeleton()
+    world_from_joint_fast(skeleton, rest_values(skeleton)[None])
+    stage.kinematics = world_from_joint_fast
 
 
 def _bring_lab(window: MainWindow) -> None:

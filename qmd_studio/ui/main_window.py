@@ -274,8 +274,6 @@ class MainWindow(QMainWindow):
         if clip is not None and clip.key != self._shown_clip:
             self.viewport.frame_all()
         self._shown_clip = state.active
-        empty = self._is_furnished and clip is None
-        self.viewport.set_message(self.tr("Drop a BVH, AMC, BAP, X3D or QMD file here") if empty else None)
         self.status.show_clips(len(state.clips))
         self.setWindowTitle(f"{clip.name} — QMD Studio" if clip else "QMD Studio")
         self.verbs["encoder_closed" if state.codec.encoder is Encoder.CLOSED else "encoder_paper"].setChecked(True)
@@ -339,6 +337,8 @@ class MainWindow(QMainWindow):
         self.status.refresh_icons()
         for button in self.tools.findChildren(QWidget, "ViewFrom"):
             button.setIcon(icon("view"))
+        for banner in self.banners.banners:
+            banner.draw_icons(getattr(self.themes.colours, banner.kind))
         self.viewport.set_theme(self.themes.dark)
 
     def _toggle_full_screen(self) -> None:

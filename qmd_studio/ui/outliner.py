@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QBrush, QColor
+from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem, QWidget
 
 from qmd_studio.errors import EditError
@@ -67,6 +67,16 @@ class Outliner(QTreeWidget):
         """Draw the rows again in the colours of the present theme."""
         self._shown = ()
         self._follow(self._document.state)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        super().paintEvent(event)
+        if self.topLevelItemCount():
+            return
+        painter = QPainter(self.viewport())
+        painter.setPen(self.palette().color(QPalette.ColorRole.PlaceholderText))
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        text = self.tr("Drop a BVH, AMC, BAP, X3D or QMD file on the window, or press Ctrl+O.")
+        painter.drawText(self.viewport().rect().adjusted(24, 24, -24, -24), int(flags), text)
 
     def _follow(self, state: DocumentState) -> None:
         shown = (state.clips, state.active)

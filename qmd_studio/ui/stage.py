@@ -42,6 +42,8 @@ class Stage(QObject):
         self._stands_at: FloatArray | None = None
         self._upright = np.eye(4)
         self._default: list[Actor] = []
+        self.kinematics: Callable[[Skeleton, FloatArray], FloatArray] = world_from_joint
+        """What poses the bodies: NumPy until the compiled path is warm, which takes longer than the first picture."""
         playhead.moved.connect(self._pose)
 
     @property
@@ -114,7 +116,7 @@ class Stage(QObject):
 
     def _matrices(self, motion: Motion) -> FloatArray:
         index = min(self._playhead.index, motion.n_frames - 1)
-        return self._upright @ world_from_joint(motion.skeleton, motion.X[index : index + 1])[0]
+        return self._upright @ self.kinematics(motion.skeleton, motion.X[index : index + 1])[0]
 
 
 def body_of(clip: Clip) -> Body:

@@ -5,6 +5,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QFileDialog, QWidget
 
+from qmd_studio.motion.kinematics import world_from_joint
+from qmd_studio.ui import furnishing
 from qmd_studio.ui.app import FaultReporter, parser
 from qmd_studio.ui.theme import DARK, LIGHT, Theme
 
@@ -245,3 +247,15 @@ def test_the_default_body_stands_where_nothing_is_open(window):
     middle = picture[:, picture.shape[1] // 2 - 40 : picture.shape[1] // 2 + 40]
     assert middle.std() > 10
     assert QPoint(0, 0) == window.viewport.pos()
+
+
+def test_the_compiled_kinematics_take_over_and_pose_the_same(window, open_clip, bvh_file, qtbot):
+    open_clip(window, bvh_file)
+    window.stage.kinematics = world_from_joint
+    window.playhead.seek(30)
+    plain = window.viewport.scene.actors[0].world_from_joint
+    window.playhead.seek(0)
+    furnishing._warm_kinematics(window.stage)
+    assert window.stage.kinematics is not world_from_joint
+    window.playhead.seek(30)
+    np.testing.assert_allclose(window.viewport.scene.actors[0].world_from_joint, plain, atol=1e-9)
