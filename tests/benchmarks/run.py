@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from screen import on_some_screen
+
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "RESULTS.md"
 N_COLUMNS = 5
@@ -57,4 +59,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
+    on_some_screen()
     raise SystemExit(main())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import shutil
 import statistics
 import subprocess
 import sys
 import time
+
+from screen import on_some_screen
 
 N_RUNS = 15
 N_WINDOWS = 5
@@ -48,13 +49,6 @@ def _first_paint_s() -> float:
             if line.startswith("first paint"):
                 return time.perf_counter() - start
     raise SystemExit("the window did not say when it painted")
-
-
-def on_some_screen() -> None:
-    """Start this script again on a virtual screen where there is none."""
-    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        xvfb = shutil.which("xvfb-run") or sys.exit("no screen, and no xvfb-run to make one")
-        os.execv(xvfb, [xvfb, "-a", "-s", "-screen 0 1920x1080x24", sys.executable, *sys.argv])
 
 
 if __name__ == "__main__":
