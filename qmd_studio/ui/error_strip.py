@@ -184,9 +184,14 @@ class ErrorStrip(QWidget):
 
     def _paint_curve(self, painter: QPainter, axis: ErrorAxis, error: FloatArray) -> None:
         left, right = self._ends()
-        heights = axis.heights(outline(error, max(1, round(right - left))))
         top, bottom = self._vertical()
-        points = [QPointF(left + x + 0.5, bottom - (bottom - top) * h) for x, h in enumerate(heights.tolist())]
+        width = max(1, round(right - left))
+        if len(error) <= width:
+            heights = axis.heights(error)
+            points = [QPointF(self.x_of(f), bottom - (bottom - top) * h) for f, h in enumerate(heights.tolist())]
+        else:
+            heights = axis.heights(outline(error, width))
+            points = [QPointF(left + x + 0.5, bottom - (bottom - top) * h) for x, h in enumerate(heights.tolist())]
         points = [QPointF(left, points[0].y()), *points, QPointF(right, points[-1].y())]
         colour = self.palette().color(QPalette.ColorRole.Accent)
         ground = QColor(colour)

@@ -77,7 +77,7 @@ def test_one_click_writes_what_was_measured_and_it_opens_with_that_error(qtbot, 
 def test_a_click_before_the_measurement_waits_for_it(qtbot, lab, document, tmp_path):
     settled(qtbot, lab)
     document.execute(SetCodecSettings(QmdSettings(fdf=12, bits=10, segment=30)))
-    lab.export_bar.button.click()  # unlike a mouse's click, this lets no result in meanwhile
+    lab.export()  # unlike a click, this lets no result in meanwhile
     assert lab.exported == []
     assert lab.export_bar.notice.isVisible()
     settled(qtbot, lab)
@@ -88,7 +88,7 @@ def test_a_click_before_the_measurement_waits_for_it(qtbot, lab, document, tmp_p
 def test_settings_changed_while_it_waits_are_those_that_are_written(qtbot, lab, document, tmp_path):
     settled(qtbot, lab)
     document.execute(SetCodecSettings(QmdSettings(bits=12)))
-    lab.export_bar.button.click()
+    lab.export()
     document.execute(SetCodecSettings(QmdSettings(fdf=3)))
     settled(qtbot, lab)
     assert [path.name for path in lab.exported] == ["walk__fdf3_b8_nd99.qmd"]
