@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 
+from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.bvh_hierarchy import BvhNode, parse_hierarchy, parse_number
 from qmd_studio.formats.bvh_numbers import MotionHead, Rows, parse_head, parse_rows
@@ -23,6 +24,8 @@ _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
 _SNIFF = re.compile(rb"\s*HIERARCHY\s", re.IGNORECASE)
 REST_FPS = 30.0
 """The rate of the one frame of a file without motion."""
+_ADDED_SHARE = 0.05
+"""Positions of at most this share of their offsets cannot be meant to replace them."""
 _UTF8_BOM = b"\xef\xbb\xbf"
 
 
@@ -34,9 +37,10 @@ def sniff(head: bytes) -> bool:
 def read(data: bytes, options: ReadOptions) -> Loaded:
     """Read a BVH file.
 
-    Positions replace the joint's OFFSET, as is the custom. A count of frames that the rows contradict and a last frame
-    that is incomplete are warned of; a file without MOTION opens with one frame, at rest. Raises `FormatError` with
-    the line.
+    Positions replace the joint's OFFSET, as is the custom; where those below the root stay near zero although the
+    offsets do not, they are taken to be added to them, and made such as replace. A count of frames that the rows
+    contradict and a last frame that is incomplete are warned of; a file without MOTION opens with one frame, at rest.
+    Raises `FormatError` with the line.
     """
     data = data.removeprefix(_UTF8_BOM)
     found = _MOTION.search(data)
@@ -53,8 +57,29 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
     fps = options.fps if options.fps is not None else _rate(head)
     values = rows.values
     values *= _factors(skeleton)  # in place: they are this call's own
+    notes = (note, *_replace_added_positions(skeleton, values))
     values.flags.writeable = False  # the motion then keeps it without a copy
-    return Loaded(skeleton, Motion(skeleton, values, fps, name=_name(options)), warnings=warnings, notes=(note,))
+    return Loaded(skeleton, Motion(skeleton, values, fps, name=_name(options)), warnings=warnings, notes=notes)
+
+
+def _replace_added_positions(skeleton: Skeleton, values: FloatArray) -> tuple[str, ...]:
+    """Turn positions that count from the joint's offset into such as replace it, in place; returns what to say of it.
+
+    As positions that replace, they would draw every bone to nothing: that tells the two customs apart.
+    """
+    moves = [
+        (index, column.rest)
+        for index, column in enumerate(skeleton.columns)
+        if column.kind is ColumnKind.TRANSLATION and skeleton.joints[column.joint].parent >= 0 and column.rest
+    ]
+    if not moves:
+        return ()
+    columns = [index for index, _ in moves]
+    offsets = np.array([rest for _, rest in moves])
+    if np.abs(values[:, columns]).mean() > _ADDED_SHARE * np.abs(offsets).mean():
+        return ()
+    values[:, columns] += offsets
+    return ("positions below the root are near zero all through: taken as added to the joints' offsets",)
 
 
 def _at_rest(skeleton: Skeleton, options: ReadOptions) -> Motion:

@@ -17,6 +17,7 @@ from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.playhead import Playhead
+from qmd_studio.render.ground import ground_height
 from qmd_studio.render.scene import Actor
 from qmd_studio.ui.viewport import Viewport
 
@@ -78,6 +79,8 @@ class Stage(QObject):
         if clip is None or before is None or clip.motion is not before.motion:
             self._decoded = None
             self._upright = upright(clip.motion) if clip is not None else np.eye(4)
+            ground = ground_height(clip.motion, body_of(clip), self._upright) if clip is not None else 0.0
+            self._viewport.set_ground_height(ground)
         self._pose()
 
     def show_decoded(self, decoded: Callable[[], Motion] | None) -> None:

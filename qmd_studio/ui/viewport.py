@@ -111,6 +111,11 @@ class Viewport(QOpenGLWidget):
         self._scene = replace(scene, show_ground=ground, show_axes=axes)
         self._changed()
 
+    def set_ground_height(self, height_m: float) -> None:
+        """Lay the ground at this height."""
+        self._scene = replace(self._scene, ground_y=height_m)
+        self._changed()
+
     def set_message(self, text: str | None) -> None:
         """Show `text` over the picture; None shows the invitation to drop a file while the stage is empty."""
         self._message = text

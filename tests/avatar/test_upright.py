@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,8 +54,22 @@ def test_figure_whose_root_turns_it_up_is_left_alone():
     np.testing.assert_array_equal(upright(motion_along(2, first_turn=-np.pi / 2)), np.eye(4))
 
 
+def test_figure_that_rests_along_y_but_stands_along_z_all_through_is_stood_up():
+    standing = motion_along(1, first_turn=np.pi / 2)
+    column = Column("Hips.Zposition", 0, ColumnKind.TRANSLATION, 2, rest=0.0)
+    lift = Column("Hips.Yposition", 0, ColumnKind.TRANSLATION, 1, rest=0.95)
+    skeleton = replace(standing.skeleton, columns=(*standing.skeleton.columns, column, lift))
+    rotation = upright(Motion(skeleton, np.array([[np.pi / 2, 0.95, 0.0]] * 3), 30.0))
+    np.testing.assert_allclose(rotation[:3, :3] @ (0, 0, 1), (0, 1, 0), atol=1e-12)
+    once_risen = Motion(skeleton, np.array([[np.pi / 2, 0.95, 0.0], [0.0, 0.0, 0.95]]), 30.0)
+    np.testing.assert_array_equal(upright(once_risen), np.eye(4))
+
+
 @pytest.mark.corpus
-@pytest.mark.parametrize(("name", "turned"), [("bvh/pybvh_bvh_example.bvh", True), ("bvh/dme_example.bvh", False)])
+@pytest.mark.parametrize(
+    ("name", "turned"),
+    [("bvh/pybvh_bvh_example.bvh", True), ("bvh/pybvh_bvh_test3.bvh", True), ("bvh/dme_example.bvh", False)],
+)
 def test_files_of_the_corpus(name, turned):
     from qmd_studio.registry import open_file
 

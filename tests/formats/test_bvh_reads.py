@@ -61,6 +61,20 @@ def test_a_plain_file_has_its_joints_values_and_rate():
     assert not loaded.warnings
 
 
+@pytest.mark.parametrize(("chest", "said"), [("0 0.02 0", True), ("0 51 0", False)], ids=["added", "replacing"])
+def test_positions_below_the_root_are_added_or_replace_as_they_must_mean(chest, said):
+    text = PLAIN.replace("CHANNELS 3 Zrotation", "CHANNELS 6 Xposition Yposition Zposition Zrotation").replace(
+        " 1 2 3 45", f" {chest} 1 2 3 45"
+    )
+    text = text.replace(" 2 3 4 46", f" {chest} 2 3 4 46").replace(" 3 4 5 47", f" {chest} 3 4 5 47")
+    loaded = read(text)
+    height = 0.01 * (50.02 if said else 51)
+    np.testing.assert_allclose(loaded.motion.X[:, 6:9], [[0, height, 0]] * 3, atol=1e-12)
+    assert any("added" in note for note in loaded.notes) is said
+    again = read(bvh.write(loaded.motion))
+    np.testing.assert_allclose(again.motion.X, loaded.motion.X, atol=1e-12)
+
+
 def test_every_prefix_ends_well():
     assert_every_prefix_ends_well(read, PLAIN.encode())
 
