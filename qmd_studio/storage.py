@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
+import stat
 from pathlib import Path
 from typing import BinaryIO
 
@@ -37,9 +38,16 @@ def write_atomic(path: Path | str, data: bytes) -> None:
 
     A temporary file in the same folder is written, flushed and fsynced, then renamed over `path`, and the folder is
     fsynced. A link is followed, an existing file keeps its permissions. Raises `StorageError`; the old file then still
-    stands and the temporary one is gone.
+    stands and the temporary one is gone. A device or a pipe is refused: the renaming would put a file in its place.
     """
     target = Path(os.path.realpath(path))
+    if _is_special(target):
+        raise StorageError(
+            "this is a device or a pipe, which cannot be written whole or not at all",
+            path=path,
+            wanted="the name of a file",
+            hint="Write a file and send that on",
+        )
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.tmp")
     try:
         _write_and_sync(temporary, data, mode=_mode_of(target))
@@ -63,6 +71,14 @@ def _read_at_most(stream: BinaryIO, count: int) -> bytes:
         pieces.append(piece)
         count -= len(piece)
     return b"".join(pieces)
+
+
+def _is_special(target: Path) -> bool:
+    try:
+        mode = target.stat().st_mode
+    except OSError:
+        return False  # nothing stands there yet, or what is amiss will show when it is written
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
 def _mode_of(target: Path) -> int | None:

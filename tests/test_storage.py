@@ -53,6 +53,20 @@ def test_existing_file_keeps_its_permissions(tmp_path: Path, mode: int) -> None:
     assert stat.S_IMODE(target.stat().st_mode) == mode
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")
+@pytest.mark.parametrize("through_link", [False, True])
+def test_pipe_is_refused_and_still_a_pipe(tmp_path: Path, *, through_link: bool) -> None:
+    pipe = target = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    if through_link:
+        target = tmp_path / "link.csv"
+        target.symlink_to(pipe)
+    with pytest.raises(StorageError, match="pipe"):
+        storage.write_atomic(target, NEW)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert not leftovers(tmp_path)
+
+
 def test_link_stays_a_link_and_its_target_changes(tmp_path: Path) -> None:
     (tmp_path / "shelf").mkdir()
     target = tmp_path / "shelf" / "a.qmd"
