@@ -22,7 +22,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     _print_any_character()
     try:
         code = _run(words, as_json="--json" in words)
-        sys.stdout.flush()
+        if sys.stdout:  # None where whoever called has closed it
+            sys.stdout.flush()
     except BrokenPipeError:
         _forget_output()  # whoever read it has seen enough
         return 0

@@ -119,3 +119,12 @@ def test_module_runs_as_a_program() -> None:
     command = [sys.executable, "-m", "qmd_studio.cli.main", *f"{SIZE} --bits 8 --json".split()]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert run.stdout.startswith('{"bytes": ')
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell closes the stream")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_closed_stream_is_no_crash(closed: str) -> None:
+    script = f'exec "$@" {closed}'
+    command = ["sh", "-c", script, "sh", sys.executable, "-m", "qmd_studio.cli", *f"{SIZE} --bits 8".split()]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
