@@ -131,9 +131,7 @@ def _check_comparable(original: Motion, decoded: Motion) -> None:
         return
     hint = "Only a motion and a copy of it on the same skeleton can be compared"
     if first.point_names != second.point_names or first.node_names != second.node_names:
-        ours, theirs = first.node_names, second.node_names
-        unlike = next((name for name, other in zip_longest(ours, theirs) if name != other), None)
-        wanted, got = f"{len(ours)} joints and ends", f"{len(theirs)}, unlike from {unlike!r} on"
+        wanted, got = _unlike(first, second)
         raise FormatError("the motions have different skeletons", wanted=wanted, got=got, hint=hint)
     apart = np.linalg.norm(_offsets(first) - _offsets(second), axis=1)
     if apart.max() > _SAME_PLACE_M:
@@ -144,6 +142,16 @@ def _check_comparable(original: Motion, decoded: Motion) -> None:
             got=f"a bone that ends {1000 * apart.max():.3g} mm elsewhere",
             hint=hint,
         )
+
+
+def _unlike(first: Skeleton, second: Skeleton) -> tuple[str, str]:
+    """Return what is wanted and what is there instead, for two skeletons whose names differ."""
+    ours, theirs, what = first.node_names, second.node_names, "joints and ends"
+    if ours == theirs:
+        ours, theirs, what = first.point_names, second.point_names, "measured points"
+    mine, other = next(pair for pair in zip_longest(ours, theirs) if pair[0] != pair[1])
+    wanted = f"{len(ours)} {what}" + (f", {mine!r} among them" if mine is not None else "")
+    return wanted, f"{len(theirs)}, with {other!r} in its place" if other is not None else f"{len(theirs)}"
 
 
 def _offsets(skeleton: Skeleton) -> FloatArray:

@@ -110,6 +110,9 @@ def test_motions_of_other_length_or_skeleton_are_refused():
     renamed = replace(STICK, joints=(STICK.joints[0], replace(STICK.joints[1], name="elbow")))
     with pytest.raises(FormatError, match=r"different skeletons.*knee"):
         measure(motion, replace(motion, skeleton=renamed))
+    fewer = replace(STICK, points=(0, 2))
+    with pytest.raises(FormatError, match=r"3 measured points, 'knee' among them; got 2, with 'sole' in its place"):
+        measure(motion, replace(motion, skeleton=fewer))
     longer = replace(STICK, end_sites=(EndSite("sole", 1, (0.0, -0.5, 0.0)),))
     with pytest.raises(FormatError, match=r"sole.*100 mm"):
         measure(motion, replace(motion, skeleton=longer))
