@@ -10,7 +10,7 @@ from qmd_studio import registry, storage
 from qmd_studio.cli.report import Report, Value
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_amc import companion, find_skeleton
-from qmd_studio.formats.loaded import ReadOptions
+from qmd_studio.formats.loaded import Format, ReadOptions
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton, Vector3
 
@@ -23,10 +23,9 @@ def save_motion(path: Path, motion: Motion) -> Report:
 
     Raises `FormatError` where the format cannot hold the motion, `StorageError` where the disk refuses.
     """
-    target = registry.format_for(path)
+    target, data = _encoded(path, motion)
     warnings: tuple[str, ...] = ()
     lines = [("written", str(path))]
-    data = _encoded(path, motion)
     if target.name == "amc":
         beside, warnings = _skeleton_beside(path, motion)
         if beside:
@@ -46,9 +45,9 @@ def save_motion(path: Path, motion: Motion) -> Report:
     return Report(values, lines, warnings)
 
 
-def _encoded(path: Path, motion: Motion) -> bytes:
+def _encoded(path: Path, motion: Motion) -> tuple[Format, bytes]:
     try:
-        return registry.encode_motion(path.suffix, motion)
+        return registry.format_for(path), registry.encode_motion(path.suffix, motion)
     except FormatError as error:
         raise error.located(path) from None
 

@@ -16,7 +16,7 @@ import numpy as np
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_parse import Asf, Bone, parse_asf
-from qmd_studio.formats.asf_write import INCH_M, write_asf
+from qmd_studio.formats.asf_write import INCH_M, check_acclaim, write_asf
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.motion.motion import ASF_UNIT_M, Motion
 from qmd_studio.motion.skeleton import (
@@ -157,6 +157,15 @@ def _sniff(head: bytes) -> bool:
 
 
 def _write(motion: Motion) -> bytes:
+    """Return the ASF of a motion that is a skeleton at rest; any other would lose what it is about."""
+    if motion.X.any():
+        check_acclaim(motion.skeleton)
+        raise FormatError(
+            "an .asf file holds a skeleton only, not its motion",
+            wanted="a skeleton at rest",
+            got=f"{motion.n_frames} frames",
+            hint="Write an .amc: its .asf comes with it",
+        )
     return write_asf(motion.skeleton)
 
 

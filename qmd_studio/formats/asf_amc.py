@@ -55,14 +55,15 @@ def find_skeleton(options: ReadOptions) -> Path:
     folder = options.path.parent
     beside = {path.stem.lower(): path for path in sorted(folder.glob("*.[aA][sS][fF]"))}
     stem = options.path.stem.lower()
-    for name in (stem, stem.split("_")[0]):
+    names = tuple(dict.fromkeys((stem, stem.split("_")[0])))
+    for name in names:
         if name in beside:
             return beside[name]
     if len(beside) == 1:
         return next(iter(beside.values()))
     raise FormatError(
         "no skeleton was found for this motion",
-        wanted=f"{stem}.asf or {stem.split('_')[0]}.asf beside it",
+        wanted=f"{' or '.join(f'{name}.asf' for name in names)} beside it",
         got=f"{len(beside)} .asf files of other names" if beside else "no .asf file there",
         hint="Give the .asf file with --skeleton, or put it beside the motion",
     )

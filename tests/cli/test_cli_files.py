@@ -118,4 +118,13 @@ def test_unknown_suffix_leaves_nothing_behind(qmd: Qmd, walk: Path, tmp_path: Pa
     outcome = qmd("convert", walk, tmp_path / "walk.mp3", "--json")
     assert outcome.code == 1
     assert ".mp3" in outcome.json["got"]
+    assert outcome.json["file"] == str(tmp_path / "walk.mp3")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["07.asf", "07_01.amc"]
+
+
+def test_motion_is_not_lost_in_a_skeleton_file(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    outcome = qmd("convert", walk, tmp_path / "copy.asf", "--json")
+    assert outcome.code == 1
+    assert ".amc" in outcome.json["hint"]
+    assert not (tmp_path / "copy.asf").exists()
+    assert qmd("convert", walk.with_name("07.asf"), tmp_path / "copy.asf").code == 0
