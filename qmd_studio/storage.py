@@ -66,7 +66,12 @@ def write_atomic(path: Path | str, data: bytes) -> None:
 
 def _read_at_most(stream: BinaryIO, count: int) -> bytes:
     """Return up to `count` bytes, taking memory for what is there rather than for `count`, as one `read` would."""
-    pieces: list[bytes] = []
+    told = os.fstat(stream.fileno()).st_size + 1
+    data = stream.read(min(count, told))
+    if len(data) < min(count, told):
+        return data
+    pieces = [data]  # a file that grows, or one that tells no size, such as a pipe
+    count -= len(data)
     while count > 0 and (piece := stream.read(min(count, 1 << 22))):
         pieces.append(piece)
         count -= len(piece)
