@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from qmd_studio.arrays import FloatArray, IntArray
+from qmd_studio.compiled import compiled
 
 _POWERS = np.array([float(f"1e{n}") for n in range(23)])
 """The powers of ten that a double holds exactly."""
@@ -37,7 +37,7 @@ def parse_even_rows(data: bytes, n_columns: int, start: int = 0) -> FloatArray |
     return matrix if np.isfinite(matrix).all() else None
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _parse(text: Any, begin: int, n_columns: int, values: FloatArray, odd: IntArray) -> tuple[int, int]:
     """Fill `values` from the bytes `text`, and `odd` (index, start, end) with those that need more care.
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from qmd_studio.arrays import Float32Array
+from qmd_studio.compiled import compiled
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.metrics import MotionError, summed_up
 from qmd_studio.motion.motion import ASF_UNIT_M
@@ -41,7 +41,7 @@ def measure_positions(skeleton: Skeleton, original: Float32Array, decoded: Float
     )
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def _measure_kernel(original: _Rows, decoded: _Rows, distance: _Rows) -> tuple[float, float, float]:
     """Fill `distance` (n_points, n_frames) in mm; return the means of a frame's norm, of speed and of its change."""
     n_points, n_frames = distance.shape
@@ -71,7 +71,7 @@ def _measure_kernel(original: _Rows, decoded: _Rows, distance: _Rows) -> tuple[f
     )
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def _speed(x: _Rows, y: _Rows, z: _Rows) -> float:
     total = np.float32(0)
     for t in range(1, len(x)):
@@ -80,7 +80,7 @@ def _speed(x: _Rows, y: _Rows, z: _Rows) -> float:
     return float(total)
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def _change_of_speed(x: _Rows, y: _Rows, z: _Rows) -> float:
     total, two = np.float32(0), np.float32(2)
     for t in range(2, len(x)):

@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from qmd_studio.compiled import compiled
 
 _Rows: TypeAlias = NDArray[Any]
 
@@ -19,7 +20,7 @@ _EXACT = {"contract", "nnan", "ninf", "nsz"}
 """Freedoms for the compiler that leave the order of additions alone: range reduction lives on it."""
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Rows, count: int) -> None:
     """Fill the first `count` of `sine` and `cosine` for `sign * angle[start:]`."""
     if angle.itemsize == 8:
@@ -48,7 +49,7 @@ def _sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Ro
         cosine[t] = flip * c
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> None:
     """Multiply the matrices (9, block) from the right by a turn about `axis`."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
@@ -60,7 +61,7 @@ def _turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> N
             second[t] = y * cosine[t] - x * sine[t]
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _copy(source: _Rows, target: _Rows, start: int, count: int) -> None:
     """Copy the first `count` of each row of `source` to `target` from `start` on."""
     for a in range(len(source)):
@@ -69,7 +70,7 @@ def _copy(source: _Rows, target: _Rows, start: int, count: int) -> None:
             theirs[start + t] = ours[t]
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, count: int) -> None:
     """Fill the matrices (9, block) with `outer` @ `orientation`."""
     if aligned:
@@ -84,7 +85,7 @@ def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, coun
                 target[t] = x[t] * a + y[t] * b + z[t] * c
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, count: int) -> None:
     """Fill `place` (3, …) from `start` on with `near` + `outer` @ `offset` (3,)."""
     a, b, c = offset[0], offset[1], offset[2]
@@ -95,7 +96,7 @@ def _carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, c
             target[start + t] = base[t] + (x[t] * a + y[t] * b + z[t] * c)
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def _carry_each(place: _Rows, outer: _Rows, moved: _Rows, near: _Rows, count: int) -> None:
     """Fill `place` (3, block) with `near` + `outer` @ `moved` (3, block): an offset for each frame."""
     a, b, c = moved[0], moved[1], moved[2]
@@ -106,7 +107,7 @@ def _carry_each(place: _Rows, outer: _Rows, moved: _Rows, near: _Rows, count: in
             target[t] = base[t] + (x[t] * a[t] + y[t] * b[t] + z[t] * c[t])
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def position_kernel(  # noqa: PLR0913 - compiled code takes no record
     Xt: _Rows,
     positions: _Rows,
@@ -170,7 +171,7 @@ def position_kernel(  # noqa: PLR0913 - compiled code takes no record
                 _copy(place[j], target, start, count)
 
 
-@njit(cache=True, nogil=True, fastmath=_EXACT)
+@compiled(fastmath=_EXACT)
 def pose_kernel(  # noqa: PLR0913 - compiled code takes no record
     X: _Rows,
     parent: _Rows,

@@ -7,16 +7,16 @@ row, in the same order, without fused operations: what the encoder sees is bit f
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd.payload import IndexArray
+from qmd_studio.compiled import compiled
 
 _BLOCK = 64
 """Rows that are turned into columns at a time: few enough to stay in the nearest cache."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def closed_loop(
     matrix: Float32Array,
     table: Float32Array,
@@ -65,7 +65,7 @@ def closed_loop(
                     decoded[j, row - at + back] = block[back, j]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def accumulate(
     table: Float32Array, pose: Float32Array, exact: Float32Array, indices: IndexArray, decoded: Float32Array
 ) -> None:
