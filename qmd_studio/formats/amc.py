@@ -13,7 +13,7 @@ from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_parse import LARGEST
 from qmd_studio.formats.asf_write import check_acclaim
-from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.motion import Motion, check_frame_rate
 from qmd_studio.motion.skeleton import ColumnKind
 
 AMC_FPS = 120.0
@@ -64,9 +64,7 @@ def _frame_rate(header: list[bytes]) -> float | None:
         return None
     word = header[header.index(_RATE) + 1]
     fps = _number(word)
-    if not 0 < fps <= LARGEST:
-        wanted, got = "frames a second", _text(word)[:40]
-        raise FormatError("the frame rate is not a positive number", at=_text(_RATE), wanted=wanted, got=got)
+    check_frame_rate(fps, at=_text(_RATE))
     return fps
 
 

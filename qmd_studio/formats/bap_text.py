@@ -24,13 +24,10 @@ from qmd_studio.errors import FormatError
 from qmd_studio.formats.bap_text_write import MAX_FILE_VALUE, write_bap_text
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.motion.bap import N_BAPS, N_DEFINED_BAPS, N_OLD_BAPS, bap_skeleton, bap_table, column_of
-from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.motion import FRAME_RATES, Motion
 
 MAX_HELD_FRAMES = 3000
 """So many frames may be missing between the frame numbers of a file; its poses are held over them."""
-
-RATES = (1e-3, 1e5)
-"""The least and the highest frame rate that is taken for one."""
 
 _FAP_MASK_LENGTHS = (66, 68, 69)
 _LINE_END = re.compile(r"\r\n|\n|\r")
@@ -146,7 +143,7 @@ def _read_header(lines: Iterator[_Line], options: ReadOptions) -> _Header:
     else:  # one number only: the rate, the number of frames being left out
         name, rate, count = tokens[1:-1], _number(tokens[-1]), None
     fps = options.fps if options.fps is not None else rate
-    if fps is None or not RATES[0] <= fps <= RATES[1]:
+    if fps is None or not FRAME_RATES[0] <= fps <= FRAME_RATES[1]:
         raise FormatError(
             "the header gives no frame rate",
             at=line.at,

@@ -17,7 +17,7 @@ from qmd_studio.formats.length_unit import with_guessed_unit
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.motion.channels import channel_skeleton, default_site_name
 from qmd_studio.motion.kinematics import rest_values
-from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.motion import Motion, check_frame_rate
 from qmd_studio.motion.skeleton import ColumnKind, EndSite, Skeleton, Vector3
 
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
@@ -140,7 +140,7 @@ def _check_counts(head: MotionHead, rows: Rows) -> tuple[str, ...]:
 def _rate(head: MotionHead) -> float:
     try:
         parse_number(head.frame_time)
-        return rate_from_frame_time(head.frame_time.replace(",", "."))
+        fps = rate_from_frame_time(head.frame_time.replace(",", "."))
     except ValueError:
         raise FormatError(
             "the frame time is not a positive number",
@@ -149,6 +149,8 @@ def _rate(head: MotionHead) -> float:
             got=head.frame_time[:40],
             hint="Give the frame rate by hand",
         ) from None
+    check_frame_rate(fps, at=f"line {head.time_line}")
+    return fps
 
 
 def _factors(skeleton: Skeleton) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

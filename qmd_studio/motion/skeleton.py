@@ -22,6 +22,12 @@ Vector3: TypeAlias = tuple[float, float, float]
 Matrix3: TypeAlias = tuple[Vector3, Vector3, Vector3]
 
 IDENTITY: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+LARGEST = 1e12
+"""The largest length in metres and angle in radians that is taken: poses are then finite, in single precision too."""
+
+LENGTH_UNITS = (1e-6, 1e6)
+"""The least and the largest length unit of a file, in metres."""
+
 MAX_LEVEL = 6
 """The paper's deepest level (section 3.2): joints further out count as level 6."""
 
@@ -100,7 +106,8 @@ class Skeleton:
 
     `metres_per_unit` is the length unit of the file it came from, for display and for writing back.
     Raises `FormatError` where the parts do not fit together: a parent that does not come before its child, a column
-    of no joint, a rotation column that its joint's product does not hold exactly once.
+    of no joint, a rotation column that its joint's product does not hold exactly once; and for a length that is not
+    finite or above `LARGEST`, or a unit outside `LENGTH_UNITS`.
     """
 
     name: str
@@ -199,17 +206,32 @@ def depths(parents: tuple[int, ...]) -> tuple[int, ...]:
 def _check(skeleton: Skeleton) -> None:
     if not skeleton.joints:
         raise FormatError("the skeleton has no joint", wanted="at least a root")
+    low, high = LENGTH_UNITS
+    if not low <= skeleton.metres_per_unit <= high:
+        wanted, got = f"{low:g} to {high:g} metres", f"{skeleton.metres_per_unit:g}"
+        raise FormatError("the length unit cannot be used", wanted=wanted, got=got)
     n_joints = len(skeleton.joints)
     for index, joint in enumerate(skeleton.joints):
         if not -1 <= joint.parent < index:
             raise FormatError("a joint's parent does not come before it", at=f"joint {joint.name!r}")
+        _check_lengths(joint.offset, f"joint {joint.name!r}")
     for site in skeleton.end_sites:
         if not 0 <= site.joint < n_joints:
             raise FormatError("an end site hangs from no joint", at=f"end site {site.name!r}")
+        _check_lengths(site.offset, f"end site {site.name!r}")
+    _check_columns(skeleton)
+    for node in skeleton.points:
+        if not 0 <= node < skeleton.n_nodes:
+            raise FormatError("a measured point is not a node", at=f"point {node}")
+
+
+def _check_columns(skeleton: Skeleton) -> None:
+    n_joints = len(skeleton.joints)
     rotations: dict[int, list[int]] = {}
     for index, column in enumerate(skeleton.columns):
         if not 0 <= column.joint < n_joints:
             raise FormatError("a column belongs to no joint", at=f"column {column.name!r}")
+        _check_lengths((column.rest,), f"column {column.name!r}")
         if column.axis not in (0, 1, 2) or column.sign not in (1, -1):
             raise FormatError("a column has no axis", at=f"column {column.name!r}", wanted="axis 0 to 2, sign 1 or -1")
         if column.kind is ColumnKind.ROTATION:
@@ -217,6 +239,10 @@ def _check(skeleton: Skeleton) -> None:
     for index, joint in enumerate(skeleton.joints):
         if sorted(joint.product) != rotations.get(index, []):
             raise FormatError("a joint's product and its rotation columns differ", at=f"joint {joint.name!r}")
-    for node in skeleton.points:
-        if not 0 <= node < skeleton.n_nodes:
-            raise FormatError("a measured point is not a node", at=f"point {node}")
+
+
+def _check_lengths(lengths: tuple[float, ...], at: str) -> None:
+    for length in lengths:
+        if not abs(length) <= LARGEST:
+            wanted = f"at most {LARGEST:g} m in size"
+            raise FormatError("a length cannot be used", at=at, wanted=wanted, got=f"{length:g}")

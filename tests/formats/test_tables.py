@@ -41,7 +41,7 @@ def small_skeleton():
 
 
 def small_motion(mask=True):
-    X = np.array([[1 / 3, -0.0, 1e-300], [np.pi, 1e300, -7.25], [5e-324, 2.0, 0.1]])
+    X = np.array([[1 / 3, -0.0, 1e-300], [np.pi, 1e12, -7.25], [5e-324, 2.0, 1e300]])
     given_values = np.array([[True, True, False], [False, True, False], [True, False, True]])
     return Motion(small_skeleton(), X, 1 / 0.03, name="wave", mask=given_values if mask else None)
 

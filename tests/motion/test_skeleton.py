@@ -135,3 +135,34 @@ def test_a_motion_cannot_be_changed_in_place():
         motion.X[0, 0] = 1.0
     values[0, 0] = 1.0
     assert motion.X[0, 0] == 0.0, "the caller's array and the motion's must not be one"
+
+
+@pytest.mark.parametrize("length", [1e300, -1.1e12, math.nan, math.inf])
+def test_lengths_that_no_arithmetic_bears_are_refused(length):
+    with pytest.raises(FormatError, match="elbow"):
+        arm(joints=(arm().joints[0], Joint("elbow", 0, (0.0, length, 0.0), product=(3,))))
+    with pytest.raises(FormatError, match="hand"):
+        arm(end_sites=(EndSite("hand", 1, (length, 0.0, 0.0)),))
+    with pytest.raises(FormatError, match="root ty"):
+        arm(columns=(Column("root ty", 0, ColumnKind.TRANSLATION, axis=1, rest=length), *arm().columns[1:]))
+
+
+@pytest.mark.parametrize("unit", [0.0, -1.0, 1e-7, 1e7, math.nan])
+def test_length_unit_out_of_range_is_refused(unit):
+    with pytest.raises(FormatError, match="unit"):
+        arm(metres_per_unit=unit)
+
+
+@pytest.mark.parametrize(("value", "said"), [(1e13, "too large"), (-1e300, "too large"), (math.inf, "not a number")])
+def test_values_that_no_arithmetic_bears_are_refused_with_their_place(value, said):
+    X = np.zeros((4, 4))
+    X[2, 3] = value
+    with pytest.raises(FormatError, match=said) as caught:
+        Motion(arm(), X, 30.0)
+    assert caught.value.at == "frame 2, column elbow rz"
+
+
+@pytest.mark.parametrize("fps", [0.0, -30.0, 1e-320, 1e-4, 1e6, math.inf, math.nan])
+def test_frame_rate_that_nothing_plays_is_refused(fps):
+    with pytest.raises(FormatError, match="rate"):
+        Motion(arm(), np.zeros((1, 4)), fps)

@@ -5,7 +5,6 @@ The layout is written out byte by byte in resources/help/qmd-format.md; the numb
 
 from __future__ import annotations
 
-import math
 import struct
 import zlib
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from qmd_studio import __version__
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import FormatError
+from qmd_studio.motion.motion import check_frame_rate
 
 MAGIC = b"QMD\x1a"
 VERSION = 1
@@ -105,8 +105,7 @@ def parse(data: bytes) -> Container:
             got=f"{found:08x}",
             hint=_INCOMPLETE,
         )
-    if not (math.isfinite(fps) and fps > 0):
-        raise FormatError("the frame rate is not a positive number", at="byte 24", got=str(fps))
+    check_frame_rate(fps, at="byte 24")
     code, k, rqt, segment, software = provenance
     return Container(
         fps=fps,
