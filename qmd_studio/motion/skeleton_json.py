@@ -5,12 +5,14 @@
      "end_sites": [{"name", "joint", "offset"}, ...],
      "columns": [{"name", "joint", "kind", "axis", "sign", "level", "rest", "limits": [low, high], "bap_id"}, ...]}
 
-A key that holds its default (see `qmd_studio.motion.skeleton`) is left out; lengths are metres, angles radians.
+A key that holds its default (see `qmd_studio.motion.skeleton`) is left out; lengths are metres, angles radians. A side
+without a limit is null.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -31,6 +33,16 @@ from qmd_studio.motion.skeleton import (
 MAX_JSON_BYTES = 4 << 20
 """Longer texts are refused unread: a body of a thousand columns needs a fortieth of it."""
 
+MAX_JOINTS = 4096
+"""Joints, and likewise end sites, of a figure: many times what the finest hands and faces take."""
+
+MAX_COLUMNS = 16384
+
+_MOST = {"joints": MAX_JOINTS, "end_sites": MAX_JOINTS, "columns": MAX_COLUMNS, "points": 2 * MAX_JOINTS}
+
+_ORTHONORMAL = 1e-6
+"""How far the products of an orientation's rows may be from those of a rotation."""
+
 _Part = TypeVar("_Part")
 
 
@@ -39,10 +51,10 @@ def json_text(values: dict[str, Any]) -> str:
     return json.dumps(values, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
-def parse_json(text: str | bytes) -> dict[str, Any]:
-    """Parse a JSON object of at most `MAX_JSON_BYTES`, without NaN or infinity; raises `FormatError`."""
-    if len(text) > MAX_JSON_BYTES:
-        raise FormatError("the JSON text is too long", wanted=f"at most {MAX_JSON_BYTES} bytes", got=str(len(text)))
+def parse_json(text: str | bytes, *, limit: int = MAX_JSON_BYTES) -> dict[str, Any]:
+    """Parse a JSON object of at most `limit` bytes, without NaN or infinity; raises `FormatError`."""
+    if len(text) > limit:
+        raise FormatError("the JSON text is too long", wanted=f"at most {limit} bytes", got=str(len(text)))
     try:
         parsed = json.loads(text if isinstance(text, str) else text.decode(), parse_constant=_refuse_constant)
     except RecursionError:
@@ -53,7 +65,12 @@ def parse_json(text: str | bytes) -> dict[str, Any]:
 
 
 def skeleton_to_json(skeleton: Skeleton) -> dict[str, Any]:
-    """Return `skeleton` as JSON values; what has its default value is left out."""
+    """Return `skeleton` as JSON values; what has its default value is left out.
+
+    Raises `FormatError` for one of so many parts that `skeleton_from_json` would refuse it.
+    """
+    for key, most in _MOST.items():
+        _check_count(key, len(getattr(skeleton, key)), most)
     return {
         "name": skeleton.name,
         "kind": skeleton.kind.value,
@@ -68,17 +85,14 @@ def skeleton_to_json(skeleton: Skeleton) -> dict[str, Any]:
 def skeleton_from_json(values: Any) -> Skeleton:
     """Return the skeleton that JSON values describe; raises `FormatError` naming the key that is wrong."""
     document = _object(values, "skeleton")
-    unit = _number(document, "metres_per_unit", "skeleton")
-    if unit <= 0:
-        raise _wrong("skeleton.metres_per_unit", "a positive number", unit)
     return Skeleton(
         name=_text(document, "name", "skeleton"),
         kind=_choice(SkeletonKind, document, "kind", "skeleton"),
         joints=_parts(document, "joints", _joint),
         end_sites=_parts(document, "end_sites", _end_site),
         columns=_parts(document, "columns", _column),
-        points=_integers(document, "points", "skeleton"),
-        metres_per_unit=unit,
+        points=_points(document),
+        metres_per_unit=_number(document, "metres_per_unit", "skeleton"),
     )
 
 
@@ -104,7 +118,7 @@ def _column_to_dict(column: Column) -> dict[str, Any]:
     if column.rest != 0.0:
         entry["rest"] = column.rest
     if column.limits is not None:
-        entry["limits"] = list(column.limits)
+        entry["limits"] = [limit if math.isfinite(limit) else None for limit in column.limits]
     if column.bap_id is not None:
         entry["bap_id"] = column.bap_id
     return entry
@@ -137,8 +151,7 @@ def _column(entry: dict[str, Any], where: str) -> Column:
         raise _wrong(f"{where}.level", f"1 to {MAX_LEVEL}", level)
     limits = None
     if entry.get("limits") is not None:
-        pair = _numbers(entry["limits"], 2, f"{where}.limits")
-        limits = (pair[0], pair[1])
+        limits = _limits(entry["limits"], f"{where}.limits")
     return Column(
         name=_text(entry, "name", where),
         joint=_integer(entry, "joint", where),
@@ -156,7 +169,19 @@ def _parts(document: dict[str, Any], key: str, build: Callable[[dict[str, Any], 
     entries = document.get(key)
     if not isinstance(entries, list):
         raise _wrong(key, "a list", entries)
+    _check_count(key, len(entries), _MOST[key])
     return tuple(build(_object(entry, f"{key}[{index}]"), f"{key}[{index}]") for index, entry in enumerate(entries))
+
+
+def _points(document: dict[str, Any]) -> tuple[int, ...]:
+    points = _integers(document, "points", "skeleton")
+    _check_count("points", len(points), _MOST["points"])
+    return points
+
+
+def _check_count(key: str, count: int, most: int) -> None:
+    if count > most:
+        raise FormatError("the skeleton has too many parts", at=f"its {key}", wanted=f"at most {most}", got=str(count))
 
 
 def _object(value: object, where: str) -> dict[str, Any]:
@@ -210,8 +235,23 @@ def _vector(values: object, where: str) -> Vector3:
     return (x, y, z)
 
 
+def _limits(values: object, where: str) -> tuple[float, float]:
+    if not isinstance(values, list) or len(values) != 2:
+        raise _wrong(where, "two numbers, or null on a side without a limit", values)
+    low, high = values
+    return (
+        -math.inf if low is None else _as_number(low, where),
+        math.inf if high is None else _as_number(high, where),
+    )
+
+
 def _matrix(rows: list[object], where: str) -> Matrix3:
-    first, second, third = (_vector(row, where) for row in rows)
+    first, second, third = matrix = tuple(_vector(row, where) for row in rows)
+    for i, row in enumerate(matrix):
+        for j, other in enumerate(matrix):
+            product = sum(a * b for a, b in zip(row, other, strict=True))
+            if not abs(product - (i == j)) <= _ORTHONORMAL:
+                raise _wrong(where, "the three rows of a rotation", rows)
     return (first, second, third)
 
 

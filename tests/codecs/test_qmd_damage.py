@@ -194,3 +194,35 @@ def test_header_and_all_around_the_payload_is_within_96_bytes():
     bare = encode(pendulum(), with_skeleton=False)
     assert len(bare.data) - bare.size.bytes == HEADER.size <= 96
     assert decode(bare.data, pendulum_skeleton()).n_frames == 6
+
+
+@pytest.mark.parametrize(
+    ("key", "part"),
+    [
+        ("joints", {"name": "", "parent": -1, "offset": [0, 0, 0]}),
+        ("end_sites", {"name": "", "joint": 0, "offset": [0, 0, 0]}),
+        ("columns", {"name": "", "joint": 0, "kind": "opaque", "axis": 0, "level": 1}),
+        ("points", 0),
+    ],
+)
+def test_decode_of_a_figure_of_absurdly_many_parts_is_refused(key, part):
+    contents = json.loads(TEXT)
+    contents["skeleton"][key] += [part] * 17_000
+    data = sealed(block=block_of(json.dumps(contents, separators=(",", ":")).encode()))
+    assert isinstance(assert_ends_well(decode, data), FormatError)
+    assert "too many" in refused(data).message
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "1e400"])
+def test_decode_of_a_skeleton_with_a_number_that_is_none_is_refused(number):
+    text = TEXT.replace(b'"metres_per_unit":1.0', f'"metres_per_unit":{number}'.encode())
+    assert text != TEXT
+    refused(sealed(block=block_of(text)))
+
+
+def test_decode_with_a_skeleton_seen_before_still_holds_the_block_to_its_file():
+    contents = json.loads(TEXT) | {"mask": [[0], [], [2, 4]]}
+    block = block_of(json.dumps(contents).encode())
+    assert decode(sealed(block=block)).mask is not None
+    short = encode(pendulum(3), QmdSettings(fdf=1, segment=3)).data
+    assert "mask" in refused(sealed(bytes(parse(short).payload), block)).message

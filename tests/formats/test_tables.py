@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import zipfile
 
 import numpy as np
@@ -33,7 +34,7 @@ def small_skeleton():
         columns=(
             Column("root, x\nposition", 0, ColumnKind.TRANSLATION, 0, rest=0.1),
             Column('root "rx"', 0, ColumnKind.ROTATION, 0, -1, 2, limits=(-1.5, 1.5), bap_id=34),
-            Column("extra", 0, ColumnKind.OPAQUE, 2, level=6, bap_id=296),
+            Column("extra", 0, ColumnKind.OPAQUE, 2, level=6, limits=(-math.inf, 3.0), bap_id=296),
         ),
         points=(2, 0),
         metres_per_unit=0.01,
@@ -238,3 +239,17 @@ def test_a_motion_without_columns_makes_no_csv():
     skeleton = channel_skeleton([("still", -1, (0.0, 1.0, 0.0), [])], [])
     with pytest.raises(FormatError):
         csv_text.FORMAT.write(Motion(skeleton, np.zeros((2, 0)), 30.0))
+
+
+def test_orientation_that_is_no_rotation_is_refused():
+    values = skeleton_to_json(small_skeleton())
+    values["joints"][1]["orientation"][0][0] += 1e-3
+    with pytest.raises(FormatError, match=r"orientation.*rotation"):
+        skeleton_from_json(values)
+
+
+@pytest.mark.parametrize("write", [csv_text.write, npz.write])
+def test_figure_of_more_joints_than_can_be_read_is_not_written(write):
+    skeleton = channel_skeleton([("j", -1, (0.0, 0.0, 0.0), ["Zrotation"] if i == 0 else []) for i in range(5000)], [])
+    with pytest.raises(FormatError, match="too many parts"):
+        write(Motion(skeleton, np.zeros((1, 1)), 30.0))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import struct
 import zlib
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from qmd_studio.arrays import BoolArray
 from qmd_studio.errors import CodecError, FormatError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
-from qmd_studio.motion.skeleton_json import json_text, skeleton_from_json, skeleton_to_json
+from qmd_studio.motion.skeleton_json import json_text, parse_json, skeleton_from_json, skeleton_to_json
 
 _PREFIX = struct.Struct("<I")
 """The length of the inflated JSON, before the zlib stream."""
@@ -25,6 +24,9 @@ _LARGEST_SKELETON = 1 << 20
 
 _LARGEST_PER_PAYLOAD_BYTE = 8
 """A mask that flips at every value takes up to 8 characters for each, and a value at least a byte of the payload."""
+
+_SMALL_BLOCK = 1 << 16
+"""Larger blocks, which are those of long masks, are not remembered."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +39,10 @@ class SkeletonBlock:
 
 
 def pack_skeleton_block(motion: Motion) -> bytes:
-    """Return the block's bytes for a motion; raises `CodecError` for a skeleton that readers would not take."""
+    """Return the block's bytes for a motion.
+
+    Raises `CodecError` for a skeleton whose text is too long for readers, `FormatError` for one of too many parts.
+    """
     if motion.mask is None:
         return _packed_without_mask(motion.skeleton, motion.name)
     values = _contents(motion.skeleton, motion.name) | {"mask": _flips(motion.mask)}
@@ -52,12 +57,35 @@ def unpack_skeleton_block(block: memoryview, *, n_frames: int, payload_bytes: in
     """
     if len(block) < _PREFIX.size:
         raise FormatError("the skeleton block ends early", wanted=f"{_PREFIX.size} bytes", got=str(len(block)))
-    values = _inflated(bytes(block), _limit(payload_bytes))
-    if not isinstance(values, dict) or not isinstance(values.get("name"), str):
+    declared, limit = _declared(block), _limit(payload_bytes)
+    if declared > limit:
+        raise FormatError("the skeleton block is too large", wanted=f"at most {limit} bytes", got=str(declared))
+    contents = (_known_contents if len(block) <= _SMALL_BLOCK else _contents_of)(bytes(block))
+    mask = _mask(contents.flips, n_frames, contents.skeleton.n_columns) if contents.has_mask else None
+    return SkeletonBlock(contents.skeleton, contents.name, mask)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Contents:
+    """A block's text, read but for the mask, whose `flips` only a motion of known length can judge."""
+
+    skeleton: Skeleton
+    name: str
+    has_mask: bool
+    flips: Any
+
+
+def _contents_of(block: bytes) -> _Contents:
+    values = _inflated(block)
+    if not isinstance(values.get("name"), str):
         raise FormatError("the skeleton block has no name", wanted="an object with name and skeleton")
     skeleton = skeleton_from_json(values.get("skeleton"))
-    mask = _mask(values["mask"], n_frames, skeleton.n_columns) if "mask" in values else None
-    return SkeletonBlock(skeleton, values["name"], mask)
+    return _Contents(skeleton, values["name"], "mask" in values, values.get("mask"))
+
+
+@lru_cache(maxsize=4)
+def _known_contents(block: bytes) -> _Contents:
+    return _contents_of(block)  # clips of one figure, and one clip played again, carry the same block
 
 
 @lru_cache(maxsize=8)
@@ -86,18 +114,21 @@ def _deflated(values: dict[str, Any], limit: int) -> bytes:
     return _PREFIX.pack(len(text)) + zlib.compress(text, 9)
 
 
-def _inflated(block: bytes, limit: int) -> Any:
-    (declared,) = _PREFIX.unpack_from(block)
-    if declared > limit:
-        raise FormatError("the skeleton block is too large", wanted=f"at most {limit} bytes", got=str(declared))
+def _declared(block: bytes | memoryview) -> int:
+    length: int = _PREFIX.unpack_from(block)[0]
+    return length
+
+
+def _inflated(block: bytes) -> dict[str, Any]:
+    declared = _declared(block)
     stream = zlib.decompressobj()
     try:
         text = stream.decompress(block[_PREFIX.size :], declared + 1)
         if len(text) != declared or not stream.eof or stream.unused_data:
             raise FormatError("the skeleton block is not as long as it says", wanted=f"{declared} bytes")
-        return json.loads(text)
-    except (zlib.error, ValueError, RecursionError) as problem:
-        raise FormatError(f"the skeleton block cannot be read: {problem}") from problem
+    except zlib.error as problem:
+        raise FormatError("the skeleton block cannot be inflated", got=str(problem)) from None
+    return parse_json(text, limit=declared)
 
 
 def _flips(mask: BoolArray) -> list[list[int]]:
