@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,11 +10,10 @@ from hypothesis import strategies as st
 from qmd_studio.avatar.bone_body import MAX_FACES, bone_body
 from qmd_studio.avatar.bone_body_plan import plan_body
 from qmd_studio.avatar.humanoid import Body
-from qmd_studio.errors import QmdStudioError
 from qmd_studio.motion.skeleton import EndSite, Joint, Skeleton, SkeletonKind
+from tests.corpus import corpus_files
 
-CORPUS = Path(os.environ.get("QMD_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus"))
-MOTIONS = sorted([*CORPUS.glob("bvh/*.bvh"), *CORPUS.glob("cmu_asfamc/*.asf"), *CORPUS.glob("other_asfamc/*.asf")])
+MOTIONS = [*corpus_files("bvh/*.bvh"), *corpus_files("cmu_asfamc/*.asf"), *corpus_files("other_asfamc/*.asf")]
 
 STUMPS = ("pybvh_full_precision_frame_time.bvh", "pybvh_rotation_first_root.bvh")
 
@@ -107,26 +103,14 @@ def check_carriers(body: Body) -> None:
         assert not long or joint in carrying, body.skeleton.joints[joint].name
 
 
-@pytest.mark.corpus
-@pytest.mark.skipif(not MOTIONS, reason=f"no corpus at {CORPUS}; set QMD_CORPUS")
-@pytest.mark.parametrize("path", MOTIONS, ids=lambda p: p.name)
+@pytest.mark.parametrize("path", MOTIONS)
 def test_every_skeleton_of_the_corpus_gets_a_sound_body(path):
     from qmd_studio.registry import open_file
 
-    try:
-        motion = open_file(path).motion
-    except QmdStudioError as error:
-        pytest.skip(f"not opened: {error}")
-    check(bone_body(motion.skeleton))
+    check(bone_body(open_file(path).skeleton))
 
 
-@pytest.mark.corpus
-@pytest.mark.skipif(not MOTIONS, reason=f"no corpus at {CORPUS}; set QMD_CORPUS")
-@pytest.mark.parametrize(
-    "path",
-    [p for p in MOTIONS if not p.name.startswith("pybvh_f") and "rotation_first" not in p.name],
-    ids=lambda p: p.name,
-)
+@pytest.mark.parametrize("path", [motion for motion in MOTIONS if motion.id not in STUMPS])
 def test_every_figure_of_the_corpus_has_head_arms_and_legs(path):
     from qmd_studio.registry import open_file
 

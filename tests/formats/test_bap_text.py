@@ -1,8 +1,5 @@
 """BAP text opens in every variant, comes back as it was, and what it cannot mean is refused with its line."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,9 +12,8 @@ from qmd_studio.motion.bap import bap_skeleton, bap_table, column_of
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Column, ColumnKind, Joint, Skeleton, SkeletonKind
 from qmd_studio.registry import encode_motion, open_file, save_motion
+from tests.corpus import corpus_file, corpus_files
 from tests.formats.damage import assert_ends_well, assert_every_prefix_ends_well, damaged
-
-CORPUS = Path(os.environ.get("QMD_CORPUS", Path(__file__).parents[2] / "../shared/corpus")) / "bap"
 
 
 def read(text, **options):
@@ -298,16 +294,16 @@ def test_content_is_recognised_whatever_the_suffix(tmp_path):
     assert not FORMAT.sniff(b"2.1 anger 25 1\n" + mask(n=68).encode() + b"\n0\n")
 
 
+@pytest.mark.parametrize("path", corpus_files("bap/*.bap"))
+def test_bap_of_the_corpus_opens_and_comes_back(path):
+    loaded = open_file(path)
+    again = read(FORMAT.write(loaded.motion)).motion
+    assert loaded.warnings == ()
+    assert np.array_equal(again.X, loaded.motion.X)
+    assert np.array_equal(again.mask, loaded.motion.mask)
+
+
 @pytest.mark.corpus
-@pytest.mark.skipif(not CORPUS.is_dir(), reason=f"no corpus of real motions at {CORPUS} (set QMD_CORPUS)")
-def test_every_bap_of_the_corpus_opens_and_comes_back():
-    paths = sorted(CORPUS.glob("*.bap"))
-    assert len(paths) == 11
-    for path in paths:
-        loaded = open_file(path)
-        again = read(FORMAT.write(loaded.motion)).motion
-        assert loaded.warnings == ()
-        assert np.array_equal(again.X, loaded.motion.X), path
-        assert np.array_equal(again.mask, loaded.motion.mask), path
-    stepped = open_file(CORPUS / "vreng_test.bap").motion
+def test_frame_numbers_of_the_corpus_that_go_by_steps_are_read_as_a_rate():
+    stepped = open_file(corpus_file("bap/vreng_test.bap")).motion
     assert np.degrees(stepped.X[:4, column_of(32)]) == pytest.approx([0, -10, -20, -30], abs=1e-3)
