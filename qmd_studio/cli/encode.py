@@ -12,6 +12,7 @@ from qmd_studio.cli.measure import error_lines
 from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, in_bytes
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import QmdStudioError
 from qmd_studio.tuning.session import TuningSession
 
 _ERROR_KEYS = ("def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame")
@@ -23,7 +24,10 @@ def run(arguments: Namespace) -> Report:
         raise UsageError("encode writes QMD only", wanted="a name that ends in .qmd", got=arguments.output)
     opened = open_motion(arguments.input, skeleton=arguments.skeleton)
     frames, dofs = opened.motion.X.shape
-    outcome = TuningSession(opened.motion).evaluate(_settings(arguments, dofs))
+    try:
+        outcome = TuningSession(opened.motion).evaluate(_settings(arguments, dofs))
+    except QmdStudioError as error:
+        raise error.located(arguments.input) from None
     storage.write_atomic(arguments.output, outcome.data)
     values = {
         "bytes": outcome.file_bytes,

@@ -10,6 +10,7 @@ import numpy as np
 from qmd_studio import storage
 from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.report import Report, in_mm
+from qmd_studio.errors import FormatError
 from qmd_studio.motion.metrics import MotionError, measure
 
 
@@ -17,7 +18,10 @@ def run(arguments: Namespace) -> Report:
     """Compare ORIGINAL with DECODED. Raises `FormatError` where they differ in skeleton or in number of frames."""
     original = open_motion(arguments.original, skeleton=arguments.skeleton)
     decoded = open_motion(arguments.decoded, skeleton=arguments.skeleton)
-    error = measure(original.motion, decoded.motion, align=arguments.align)
+    try:
+        error = measure(original.motion, decoded.motion, align=arguments.align)
+    except FormatError as problem:
+        raise problem.located(arguments.decoded) from None
     lines = error_lines(error)
     if arguments.csv:
         storage.write_atomic(arguments.csv, distance_table(original.motion.skeleton.point_names, error))

@@ -87,6 +87,7 @@ def test_more_exact_columns_than_the_motion_has_is_an_input_error(qmd: Qmd, walk
     outcome = qmd("encode", walk, tmp_path / "walk.qmd", "--fdf", "63", "--json")
     assert outcome.code == 1
     assert outcome.json["wanted"] == "0 to 62"
+    assert outcome.json["file"] == str(walk)
     assert not (tmp_path / "walk.qmd").exists()
 
 

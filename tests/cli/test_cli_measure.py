@@ -81,3 +81,4 @@ def test_motions_of_other_lengths_are_refused(qmd: Qmd, walk: Path) -> None:
     assert outcome.code == 1
     assert "60" in f"{outcome.json['wanted']} {outcome.json['got']}"
     assert "59" in f"{outcome.json['wanted']} {outcome.json['got']}"
+    assert outcome.json["file"] == str(shorter)
