@@ -48,7 +48,7 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
     data = read_bytes(path)
     try:
         chosen = recognise(data, path)
-        return chosen.read(data, _with_path(options, path))
+        return chosen.read(data, replace(options, path=path))
     except QmdStudioError as problem:
         problem.located(path)
         raise
@@ -138,10 +138,6 @@ def _check_options(options: ReadOptions) -> None:
     for name, value in (("frame rate", options.fps), ("length unit", options.metres_per_unit)):
         if value is not None and not 0 < value < math.inf:
             raise FormatError(f"the {name} given is not a positive number", wanted="a number above 0", got=f"{value:g}")
-
-
-def _with_path(options: ReadOptions, path: Path) -> ReadOptions:
-    return ReadOptions(path=path, skeleton=options.skeleton, fps=options.fps, metres_per_unit=options.metres_per_unit)
 
 
 def _writable_hint() -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import EditError
+from qmd_studio.motion.motion import FRAME_RATES
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.state import DocumentState
 
@@ -160,9 +161,10 @@ class SetFps:
     merge_key: None = None
 
     def apply(self, state: DocumentState) -> DocumentState:
-        """Return the state with the frame rate set; raises `EditError` for one that is not in 0 < fps ≤ 1000."""
-        if not 0.0 < self.fps <= MAX_FPS:
-            raise EditError("the frame rate is out of range", wanted=f"up to {MAX_FPS:g} frames a second, above 0")
+        """Return the state with the frame rate set; raises `EditError` for one that is out of range."""
+        if not FRAME_RATES[0] <= self.fps <= MAX_FPS:
+            wanted, got = f"{FRAME_RATES[0]:g} to {MAX_FPS:g} frames a second", f"{self.fps:g}"
+            raise EditError("the frame rate is out of range", wanted=wanted, got=got)
         clip = state.clip(self.key)
         if clip.motion.fps == self.fps:
             return state

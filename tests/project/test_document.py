@@ -66,6 +66,8 @@ def test_a_failing_command_leaves_the_document_as_it_was(document):
     with pytest.raises(EditError):
         document.execute(SetFps(1, 0.0))
     with pytest.raises(EditError):
+        document.execute(SetFps(1, 1e-5))
+    with pytest.raises(EditError):
         document.execute(RemoveClip(99))
     with pytest.raises(QmdStudioError):
         document.execute(SetLevels(1, (("no such column", 2),)))
