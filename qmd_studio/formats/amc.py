@@ -12,7 +12,7 @@ import numpy as np
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.asf_parse import LARGEST
-from qmd_studio.formats.asf_write import check_acclaim
+from qmd_studio.formats.asf_write import check_acclaim, check_readable
 from qmd_studio.motion.motion import Motion, check_frame_rate
 from qmd_studio.motion.skeleton import ColumnKind
 
@@ -207,12 +207,14 @@ def write_amc(motion: Motion) -> bytes:
     """Return the bytes of an AMC in degrees, with 14 digits: reading it and writing it again gives the same bytes.
 
     A frame rate other than the usual 120 is put in the header, where readers that don't know of it pass over it.
-    Raises `FormatError` where the motion is not on an ASF skeleton, or on one that an ASF cannot hold.
+    Raises `FormatError` where the motion is not on an ASF skeleton or on one that an ASF cannot hold, and for values too
+    large for readers.
     """
     skeleton = motion.skeleton
     check_acclaim(skeleton)
     turns = np.array([column.kind is ColumnKind.ROTATION for column in skeleton.columns])
     values = motion.X / np.where(turns, np.pi / 180, skeleton.metres_per_unit)
+    check_readable(values)
     names = [skeleton.joints[column.joint].name for column in skeleton.columns]
     runs = [(bone.replace("%", "%%"), len(list(group))) for bone, group in groupby(names)]
     template = "".join(f"{bone} {' '.join(['%.14g'] * count)}\n" for bone, count in runs)

@@ -9,7 +9,7 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
-from qmd_studio.formats.asf_parse import UNIT_COMMENT
+from qmd_studio.formats.asf_parse import LARGEST, UNIT_COMMENT
 from qmd_studio.motion.skeleton import Column, ColumnKind, Skeleton, SkeletonKind
 
 INCH_M = 0.0254
@@ -29,7 +29,7 @@ def write_asf(skeleton: Skeleton) -> bytes:
     lines = [
         f"# {UNIT_COMMENT} {unit!r}",
         ":version 1.10",
-        f":name {skeleton.name}",
+        f":name {' '.join(skeleton.name.split())}",
         f":units\n  mass 1.0\n  length {INCH_M / unit:.12g}\n  angle deg",
         f":root\n  order {dofs}\n  axis {_order(skeleton, 0).upper()}",
         f"  position {_numbers(np.array(root.offset) / unit)}",
@@ -68,6 +68,14 @@ def check_acclaim(skeleton: Skeleton) -> None:
         plain = column.sign == 1 and column.rest == 0 and runs.count(column.joint) == 1
         if not plain or not (turns or (moves and column.joint == 0)):
             raise FormatError("the column cannot stand in an Acclaim file", at=f"column {column.name!r}")
+
+
+def check_readable(values: FloatArray) -> None:
+    """Raise `FormatError` where `values`, in file units and degrees, are larger than readers of Acclaim files take."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest > LARGEST:
+        wanted, got = f"at most {LARGEST:g}, in degrees and units of the file", f"{largest:g}"
+        raise FormatError("a number is too large for an Acclaim file", wanted=wanted, got=got)
 
 
 def _frames(skeleton: Skeleton) -> list[FloatArray]:
@@ -115,6 +123,7 @@ def _dof(column: Column) -> str:
 
 def _limits(column: Column) -> str:
     low, high = column.limits or (-math.inf, math.inf)
+    check_readable(np.array([limit for limit in np.degrees([low, high]) if math.isfinite(limit)]))
     return f"{math.degrees(low):.12g} {math.degrees(high):.12g}"
 
 
@@ -140,4 +149,5 @@ def _angles(matrix: FloatArray, order: str) -> FloatArray:
 
 
 def _numbers(values: FloatArray) -> str:
+    check_readable(values)
     return " ".join(f"{round(value, 12) + 0.0:.15g}" for value in values.tolist())

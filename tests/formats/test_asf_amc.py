@@ -382,6 +382,25 @@ def test_names_that_would_not_read_back_are_not_written(tmp_path, name):
         SKELETON_FORMAT.write(other)
 
 
+def test_numbers_that_would_not_read_back_are_not_written(tmp_path):
+    motion = opened(tmp_path).motion
+    X = motion.X.copy()
+    X[0, 6] = 1e11
+    with pytest.raises(FormatError, match="too large for an Acclaim file"):
+        FORMAT.write(replace(motion, X=X))
+    joints = (replace(motion.skeleton.joints[0], offset=(0.0, 1e11, 0.0)), *motion.skeleton.joints[1:])
+    far = replace(motion.skeleton, joints=joints)
+    with pytest.raises(FormatError, match="too large for an Acclaim file"):
+        SKELETON_FORMAT.write(replace(motion, skeleton=far, X=0 * motion.X))
+
+
+def test_name_of_several_lines_is_written_as_one(tmp_path):
+    motion = opened(tmp_path).motion
+    named = replace(motion.skeleton, name="a\n:root\n  order")
+    data = SKELETON_FORMAT.write(replace(motion, skeleton=named, X=0 * motion.X))
+    assert SKELETON_FORMAT.read(data, ReadOptions()).skeleton.name == "a :root order"
+
+
 def test_columns_that_acclaim_has_no_words_for_are_not_written(tmp_path):
     motion = opened(tmp_path).motion
     columns = motion.skeleton.columns
