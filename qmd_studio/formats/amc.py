@@ -207,8 +207,8 @@ def write_amc(motion: Motion) -> bytes:
     """Return the bytes of an AMC in degrees, with 14 digits: reading it and writing it again gives the same bytes.
 
     A frame rate other than the usual 120 is put in the header, where readers that don't know of it pass over it.
-    Raises `FormatError` where the motion is not on an ASF skeleton or on one that an ASF cannot hold, and for values too
-    large for readers.
+    Raises `FormatError` where the motion is not on an ASF skeleton or on one that an ASF cannot hold, and for values
+    too large for readers.
     """
     skeleton = motion.skeleton
     check_acclaim(skeleton)
