@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import os
 from argparse import Namespace
 
 import numpy as np
 
 from qmd_studio import storage
 from qmd_studio.cli.load import open_motion
+from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, in_mm
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.metrics import MotionError, measure
@@ -16,6 +18,8 @@ from qmd_studio.motion.metrics import MotionError, measure
 
 def run(arguments: Namespace) -> Report:
     """Compare ORIGINAL with DECODED. Raises `FormatError` where they differ in skeleton or in number of frames."""
+    if arguments.csv:
+        _check_spares(arguments.csv, (arguments.original, arguments.decoded))
     original = open_motion(arguments.original, skeleton=arguments.skeleton)
     decoded = open_motion(arguments.decoded, skeleton=arguments.skeleton)
     try:
@@ -27,6 +31,13 @@ def run(arguments: Namespace) -> Report:
         storage.write_atomic(arguments.csv, distance_table(original.motion.skeleton.point_names, error))
         lines.append(("distances", arguments.csv))
     return Report(error.as_json(), lines, tuple(dict.fromkeys(original.warnings + decoded.warnings)))
+
+
+def _check_spares(table: str, motions: tuple[str, str]) -> None:
+    """Raise `UsageError` where the table would be written over one of the motions."""
+    for motion in motions:
+        if os.path.realpath(table) == os.path.realpath(motion):
+            raise UsageError("--csv would write over a motion that is measured", wanted="another name", got=table)
 
 
 def error_lines(error: MotionError) -> list[tuple[str, str]]:

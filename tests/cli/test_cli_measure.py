@@ -82,3 +82,12 @@ def test_motions_of_other_lengths_are_refused(qmd: Qmd, walk: Path) -> None:
     assert "60" in f"{outcome.json['wanted']} {outcome.json['got']}"
     assert "59" in f"{outcome.json['wanted']} {outcome.json['got']}"
     assert outcome.json["file"] == str(shorter)
+
+
+def test_table_is_not_written_over_a_motion(qmd: Qmd, walk: Path, shifted: Path) -> None:
+    for motion in (walk, shifted):
+        before = motion.read_bytes()
+        outcome = qmd("measure", walk, shifted, "--csv", motion.parent / "." / motion.name, "--json")
+        assert outcome.code == 2
+        assert outcome.json["got"] == str(motion)
+        assert motion.read_bytes() == before
