@@ -16,7 +16,7 @@ from qmd_studio.render.heat import heat_colours, linear
 from qmd_studio.render.mesh import Mesh, UniformBlock, heat_rows
 from qmd_studio.render.overlay import Overlay
 from qmd_studio.render.quality import LADDER, Quality
-from qmd_studio.render.scene import GHOST_TINT, Actor, Scene
+from qmd_studio.render.scene import GHOST_ALPHA, GHOST_GAP_M, GHOST_TINT, Actor, Scene
 from qmd_studio.render.shadow import shadow_map
 from qmd_studio.render.target import Target
 from qmd_studio.render.texture import Texture
@@ -172,13 +172,15 @@ class Renderer:
         self._forget_unused(scene)
 
     def _draw_ghosts(self, scene: Scene, camera: Camera, clip_from_world: FloatArray, *, gloss: bool) -> None:
-        """Translucent bodies: depth first, so that each shows only its nearest skin; then colour."""
+        """Translucent bodies: depth first, so that each shows only its nearest skin; then colour.
+
+        A ghost counts as a little farther away than it is, so that where it agrees with a solid body that one is seen,
+        unspoiled and without speckles, and what shows of the ghost is the difference.
+        """
         if not any(_is_translucent(actor) for actor in scene.actors):
             return
         program = self._lit_program(scene, camera, clip_from_world, gloss=gloss)
         GL.glEnable(GL.GL_DEPTH_TEST)
-        GL.glEnable(GL.GL_POLYGON_OFFSET_FILL)
-        GL.glPolygonOffset(-1.0, -60.0)  # a ghost within millimetres of its original lies over it without speckles
         for number, actor in enumerate(scene.actors):
             if not _is_translucent(actor):
                 continue
@@ -193,7 +195,6 @@ class Renderer:
             GL.glBlendFuncSeparate(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA, GL.GL_ONE, GL.GL_ONE_MINUS_SRC_ALPHA)
             self._mesh(actor.body.surface).draw()
             GL.glDisable(GL.GL_BLEND)
-        GL.glDisable(GL.GL_POLYGON_OFFSET_FILL)
 
     def _lit_program(self, scene: Scene, camera: Camera, clip_from_world: FloatArray, *, gloss: bool) -> Program:
         theme = DARK if scene.dark else LIGHT
@@ -231,8 +232,9 @@ class Renderer:
         tint = actor.tint if actor.tint is not None else GHOST_TINT if actor.ghost else None
         program.set(
             tint=(*tint, 0.82) if tint is not None else (0.0, 0.0, 0.0, 0.0),
-            alpha=float(actor.alpha if not actor.ghost or actor.alpha < 1.0 else 0.5),
+            alpha=float(actor.alpha if not actor.ghost or actor.alpha < 1.0 else GHOST_ALPHA),
             ghost=float(actor.ghost),
+            nudge=GHOST_GAP_M if actor.ghost else 0.0,
             heated=actor.heat is not None,
             selected=_joint_of(scene.selected, number),
             hovered=_joint_of(scene.hovered, number),

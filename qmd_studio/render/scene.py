@@ -13,6 +13,9 @@ Colour = tuple[float, float, float]
 
 GHOST_TINT: Colour = (0.015, 0.26, 0.85)
 """The blue of a decoded motion's ghost, linear."""
+GHOST_ALPHA = 0.75
+GHOST_GAP_M = 0.004
+"""A ghost nearer than this to a solid body's skin is taken to agree with it, and hidden by it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,7 +23,8 @@ class Actor:
     """A body in one pose: `world_from_joint` (n_joints, 4, 4) metres.
 
     `tint` (linear 0 to 1) colours the body, `alpha` below 1 lets the scene show through; a ghost is translucent with a
-    brighter rim and casts no shadow. `heat` (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN
+    brighter rim, casts no shadow, and shows only where it leaves
+    the solid bodies by more than `GHOST_GAP_M`. `heat` (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN
     leaves a joint as it is.
     """
 

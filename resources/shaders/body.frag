@@ -50,6 +50,6 @@ void main() {
 #endif
     lit = mix(lit, accent * (0.45 + 0.75 * key + edge), 0.72 * mark.x);
     lit += accent * mark.y * (1.0 - mark.x) * 0.20;
-    float opacity = alpha * mix(1.0, 0.55 + 0.9 * edge, ghost);
+    float opacity = alpha * mix(1.0, 0.75 + 0.6 * edge, ghost);
     colour = vec4(film(lit), clamp(opacity, 0.0, 1.0));
 }

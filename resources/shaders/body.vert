@@ -12,6 +12,9 @@ layout(std140) uniform Marks {
     vec4 marks[MARKS];  // four joints to a vec4: heat 0 to 1, below 0 none
 };
 uniform mat4 clip_from_world;
+uniform vec3 eye;
+uniform vec3 sight;
+uniform float nudge;    // metres by which the skin counts as farther from the eye than it is
 uniform int selected;
 uniform int hovered;
 uniform int heated;
@@ -46,4 +49,7 @@ void main() {
     facing = vec3(dot(x.xyz, normal), dot(y.xyz, normal), dot(z.xyz, normal));
     base = tint;
     gl_Position = clip_from_world * vec4(world, 1.0);
+    vec3 away = dot(sight, sight) > 0.0 ? sight : normalize(world - eye);
+    vec4 farther = clip_from_world * vec4(world + nudge * away, 1.0);
+    gl_Position.z = farther.z / farther.w * gl_Position.w;
 }

@@ -125,6 +125,18 @@ def test_ghost_lets_the_body_behind_it_show(draw):
     assert solid[0] < both[0]
 
 
+@pytest.mark.parametrize("apart_m", [0.0, 0.002])
+def test_ghost_that_agrees_with_its_original_leaves_it_unspoiled(draw, apart_m):
+    body = pillar()
+    beside = at(body)
+    beside[:, 2, 3] += apart_m
+    original = Actor(body, at(body))
+    alone = draw(Scene((original,), **BARE))
+    assert not differ(alone, draw(Scene((original, Actor(body, beside, ghost=True)), **BARE)))[pixel(0, 1.3)]
+    beside[:, 2, 3] += 0.03
+    assert differ(alone, draw(Scene((original, Actor(body, beside, ghost=True)), **BARE)))[pixel(0, 1.3)]
+
+
 def test_ghost_shows_only_its_nearest_skin(draw):
     body = pillar()
     once = draw(Scene((Actor(body, at(body), ghost=True),), **BARE))
