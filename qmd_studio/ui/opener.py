@@ -107,13 +107,13 @@ class _Reading(QRunnable):
 
 
 def read_clip(path: Path) -> Clip:
-    """Return the clip of the file `path`, its body's surface ready; raises `QmdStudioError`."""
+    """Return the clip of the file `path`, with all that showing it needs made ready; raises `QmdStudioError`."""
     from qmd_studio.project.clip import clip_from
     from qmd_studio.registry import open_file
-    from qmd_studio.ui.stage import body_of
+    from qmd_studio.ui.stage import prepare
 
     clip = clip_from(open_file(path), path)
-    body_of(clip)  # made here and remembered, so that the window does not wait for it
+    prepare(clip)  # here, so that the window does not wait for it
     return clip
 
 

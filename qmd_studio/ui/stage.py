@@ -78,8 +78,7 @@ class Stage(QObject):
             self._stands_at = None  # another body: the camera is framed anew, not carried there
         if clip is None or before is None or clip.motion is not before.motion:
             self._decoded = None
-            self._upright = upright(clip.motion) if clip is not None else np.eye(4)
-            ground = ground_height(clip.motion, body_of(clip), self._upright) if clip is not None else 0.0
+            self._upright, ground = standing_of(clip) if clip is not None else (np.eye(4), 0.0)
             self._viewport.set_ground_height(ground)
         self._pose()
 
@@ -125,6 +124,22 @@ class Stage(QObject):
 def body_of(clip: Clip) -> Body:
     """Return the clip's own body, or the one made from its bones."""
     return clip.body if clip.body is not None else _made(clip.motion.skeleton)
+
+
+def standing_of(clip: Clip) -> tuple[FloatArray, float]:
+    """Return the rotation (4, 4) that stands the clip up and the height of the ground under it, metres."""
+    return _standing(clip.motion, body_of(clip))
+
+
+def prepare(clip: Clip) -> None:
+    """Make and remember all that showing `clip` needs, on whatever thread this is called: it may take a while."""
+    standing_of(clip)
+
+
+@lru_cache(maxsize=16)
+def _standing(motion: Motion, body: Body) -> tuple[FloatArray, float]:
+    turn = upright(motion)
+    return turn, ground_height(motion, body, turn)
 
 
 @lru_cache(maxsize=16)
