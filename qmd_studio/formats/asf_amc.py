@@ -65,7 +65,7 @@ def find_skeleton(options: ReadOptions) -> Path:
         "no skeleton was found for this motion",
         wanted=f"{' or '.join(f'{name}.asf' for name in names)} beside it",
         got=f"{len(beside)} .asf files of other names" if beside else "no .asf file there",
-        hint="Give the .asf file with --skeleton, or put it beside the motion",
+        hint="Put the .asf file beside the motion under the same name, or give it with --skeleton",
     )
 
 
@@ -76,7 +76,7 @@ def companion(path: Path, motion: Motion) -> tuple[Path, bytes] | None:
 
 
 def _check_fit(amc: Amc, asf: Asf, asf_path: Path) -> None:
-    hint = f"{asf_path.name} is the skeleton of another motion; choose the right one with --skeleton"
+    hint = f"{asf_path.name} is the skeleton of another motion; put the right one there, or give it with --skeleton"
     for name, count, line in amc.bones:
         if name not in asf.bones:
             got = f"no such bone in {asf_path.name}"
