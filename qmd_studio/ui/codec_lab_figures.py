@@ -61,7 +61,7 @@ class Figures(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._worst_frame: int | None = None
-        self.size = Figure(self.tr("Size"), self._size_tip(), self)
+        self.size = Figure(self.tr("Payload"), self._size_tip(), self)
         self.def_ = Figure(self.tr("DEF"), self._def_tip(), self)
         self.mean = Figure(self.tr("Mean error"), self._mean_tip(), self)
         self.worst = Figure(self.tr("Worst error"), self._worst_tip(), self)

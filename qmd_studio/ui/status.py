@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QLabel, QProgressBar, QStatusBar, QToolButton, QWi
 
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.ui.icons import icon
+from qmd_studio.ui.quantity import kilobytes, significant
 
 JOB_DELAY_MS = 500
 """Work that ends sooner shows no progress: it would only flicker."""
@@ -23,7 +24,7 @@ class StatusBar(QStatusBar):
         self.setSizeGripEnabled(False)
         self.place, self.figures, self._job = QLabel(), QLabel(), QLabel()
         self.place.setToolTip(self.tr("Frame, time and rate of the shown clip"))
-        self.figures.setToolTip(self.tr("Size and error of the QMD encoding"))
+        self.figures.setToolTip(self.tr("Size of the whole QMD file, with what surrounds the payload, and its error"))
         self._progress = QProgressBar()
         self._progress.setRange(0, 0)
         self._progress.setFixedWidth(120)
@@ -53,7 +54,9 @@ class StatusBar(QStatusBar):
 
     def show_figures(self, n_bytes: int, def_: float) -> None:
         """Show the size of the QMD file and its DEF (ASF units)."""
-        self.figures.setText(self.tr("{size}  ·  DEF {value:.3g}").format(size=size_text(n_bytes), value=def_))
+        self.figures.setText(
+            self.tr("Whole file {size}  ·  DEF {value}").format(size=kilobytes(n_bytes), value=significant(def_))
+        )
 
     def clear_figures(self) -> None:
         """Show no figures: nothing has been measured."""
@@ -86,12 +89,3 @@ class StatusBar(QStatusBar):
     def _show_job(self, visible: bool) -> None:
         for widget in (self._job, self._progress, self._cancel):
             widget.setVisible(visible)
-
-
-def size_text(n_bytes: int) -> str:
-    """Return a size as a reader wants it: "812 bytes", "28.1 KB", "3.4 MB" (a KB is 1,024 bytes, as in the paper)."""
-    if n_bytes < 1024:
-        return f"{n_bytes} bytes"
-    if n_bytes < 1024**2:
-        return f"{n_bytes / 1024:.1f} KB"
-    return f"{n_bytes / 1024**2:.1f} MB"
