@@ -23,9 +23,8 @@ class Actor:
     """A body in one pose: `world_from_joint` (n_joints, 4, 4) metres.
 
     `tint` (linear 0 to 1) colours the body, `alpha` below 1 lets the scene show through; a ghost is translucent with a
-    brighter rim, casts no shadow, and shows only where it leaves
-    the solid bodies by more than `GHOST_GAP_M`. `heat` (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN
-    leaves a joint as it is.
+    brighter rim, casts no shadow, and shows only where it leaves the solid bodies by more than `GHOST_GAP_M`. `heat`
+    (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN leaves a joint as it is.
     """
 
     body: Body

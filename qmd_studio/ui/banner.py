@@ -12,7 +12,8 @@ from qmd_studio.errors import QmdStudioError
 from qmd_studio.ui.icons import icon, tinted_icon
 
 MAX_BANNERS = 3
-"""Older messages give way to newer ones."""
+"""As many messages are shown; older ones wait behind them until those are dismissed."""
+KEPT_BANNERS = 50
 _MAX_LINES = 6
 
 
@@ -81,7 +82,7 @@ class Banner(QFrame):
 
 
 class BannerArea(QWidget):
-    """A stack of messages, newest first; no higher than they need."""
+    """A stack of messages, newest first; no higher than they need, the oldest behind the others."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -89,6 +90,9 @@ class BannerArea(QWidget):
         self._column.setContentsMargins(8, 8, 8, 8)
         self._column.setSpacing(8)
         self.banners: list[Banner] = []
+        self._behind = QLabel()
+        self._behind.setObjectName("Behind")
+        self._column.addWidget(self._behind, 0, Qt.AlignmentFlag.AlignRight)
         self.hide()
 
     def show_error(self, problem: QmdStudioError, colour: str) -> None:
@@ -112,9 +116,9 @@ class BannerArea(QWidget):
         banner.dismissed.connect(lambda: self._remove(banner))
         self.banners.insert(0, banner)
         self._column.insertWidget(0, banner)
-        for old in self.banners[MAX_BANNERS:]:
+        for old in self.banners[KEPT_BANNERS:]:
             self._remove(old)
-        self.show()
+        self._stack()
 
     def dismiss_newest(self) -> bool:
         """Close the newest message; returns whether there was one."""
@@ -134,4 +138,13 @@ class BannerArea(QWidget):
             self._column.removeWidget(banner)
             banner.hide()
             banner.deleteLater()
+        self._stack()
+
+    def _stack(self) -> None:
+        for place, banner in enumerate(self.banners):
+            banner.setVisible(place < MAX_BANNERS)
+        waiting = len(self.banners) - MAX_BANNERS
+        words = self.tr("1 older message waits") if waiting == 1 else self.tr("{n} older messages wait")
+        self._behind.setText(words.format(n=waiting))
+        self._behind.setVisible(waiting > 0)
         self.setVisible(bool(self.banners))

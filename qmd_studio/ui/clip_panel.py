@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QFormLayout, QLabel, QV
 
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.motion.motion import ASF_UNIT_M
+from qmd_studio.motion.skeleton import SkeletonKind
 from qmd_studio.project.commands import MAX_FPS, Command, SetFps, SetLengthUnit
 from qmd_studio.project.document import Document
 from qmd_studio.project.state import DocumentState
@@ -83,7 +84,6 @@ class ClipPanel(QWidget):
     def _unit_field(self) -> QComboBox:
         field = QComboBox()
         field.setAccessibleName(self.tr("Length unit"))
-        field.setToolTip(self.tr("What one unit of length in the file is; guessed where the file does not say"))
         field.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         field.setMinimumContentsLength(8)
         field.activated.connect(lambda: self._execute(lambda key: SetLengthUnit(key, field.currentData())))
@@ -109,6 +109,16 @@ class ClipPanel(QWidget):
         with QSignalBlocker(self.fps), QSignalBlocker(self.unit):
             self.fps.setValue(motion.fps)
             self._show_unit(motion.skeleton.metres_per_unit)
+        self._offer_unit(motion.skeleton.kind)
+
+    def _offer_unit(self, kind: SkeletonKind) -> None:
+        fixed = kind is SkeletonKind.BAP
+        self.unit.setEnabled(not fixed)
+        self.unit.setToolTip(
+            self.tr("Body animation parameters have a unit of their own, millimetres: nothing is to be chosen")
+            if fixed
+            else self.tr("What one unit of length in the file is; guessed where the file does not say")
+        )
 
     def _show_unit(self, metres: float) -> None:
         self.unit.clear()

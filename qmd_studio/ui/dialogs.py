@@ -1,4 +1,4 @@
-"""The dialogs: file choosers by the registry's formats, help, the list of shortcuts, and About."""
+"""The dialogs: file choosers by the registry's formats, the list of shortcuts, and About."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import platform
 from pathlib import Path
 
 from PySide6 import __version__ as pyside_version
-from PySide6.QtCore import QCoreApplication, Qt, QUrl
-from PySide6.QtGui import QDesktopServices, QIcon
+from PySide6.QtCore import QCoreApplication, Qt
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QDialog,
@@ -15,16 +14,13 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QHeaderView,
     QLabel,
-    QListWidget,
-    QSplitter,
     QTableWidget,
     QTableWidgetItem,
-    QTextBrowser,
     QVBoxLayout,
     QWidget,
 )
 
-from qmd_studio import __version__, assets
+from qmd_studio import __version__
 from qmd_studio.ui.actions import VERBS, keys_text, plain_text, translated
 from qmd_studio.ui.icons import application_icon
 
@@ -60,48 +56,6 @@ def ask_export(parent: QWidget, suggested: Path) -> Path | None:
         return path
     suffix = chosen.rpartition("(*")[2].split(" ")[0].rstrip(")")
     return path.with_name(path.name + suffix)
-
-
-class HelpDialog(QDialog):
-    """The pages of resources/help, one beside the other."""
-
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(_tr("Help"))
-        self.resize(920, 640)
-        self._pages = sorted(assets.resource("help").glob("*.md"), key=lambda path: (path.stem != "index", path.stem))
-        self.contents = QListWidget()
-        self.contents.setAccessibleName(_tr("Contents"))
-        self.contents.setToolTip(_tr("The pages of the help"))
-        self.contents.setMaximumWidth(260)
-        self.page = QTextBrowser()
-        self.page.setAccessibleName(_tr("Page"))
-        self.page.setOpenLinks(False)
-        self.page.anchorClicked.connect(self._follow)
-        self.page.document().setDocumentMargin(16)
-        split = QSplitter()
-        split.addWidget(self.contents)
-        split.addWidget(self.page)
-        split.setStretchFactor(1, 1)
-        column = QVBoxLayout(self)
-        column.addWidget(split)
-        column.addWidget(_close_button(self))
-        for path in self._pages:
-            self.contents.addItem(_title_of(path))
-        self.contents.currentRowChanged.connect(self._show)
-        self.contents.setCurrentRow(0)
-
-    def _show(self, row: int) -> None:
-        if 0 <= row < len(self._pages):
-            self.page.setMarkdown(self._pages[row].read_text(encoding="utf-8"))
-
-    def _follow(self, url: QUrl) -> None:
-        for row, path in enumerate(self._pages):
-            if path.name == url.fileName():
-                self.contents.setCurrentRow(row)
-                return
-        if url.scheme() in ("http", "https"):
-            QDesktopServices.openUrl(url)
 
 
 class ShortcutsDialog(QDialog):
@@ -156,11 +110,5 @@ class AboutDialog(QDialog):
 
 def _close_button(dialog: QDialog) -> QDialogButtonBox:
     box = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
-    box.button(QDialogButtonBox.StandardButton.Close).setIcon(QIcon())
     box.rejected.connect(dialog.reject)
     return box
-
-
-def _title_of(path: Path) -> str:
-    first = path.read_text(encoding="utf-8").lstrip().partition("\n")[0]
-    return first.lstrip("# ").strip() or path.stem

@@ -24,11 +24,11 @@ SAMPLE = "walk.bap"
 class FileDesk(QObject):
     """Opens files into the document and writes its clips.
 
-    `added` says that clips came in, `failed` that a file did not, `written` names one that was; `job_changed` says what
-    is under way, "" for nothing.
+    `added` has the keys of the clips that came in, `failed` says that a file did not, `written` names one that was;
+    `job_changed` says what is under way, "" for nothing.
     """
 
-    added = Signal()
+    added = Signal(list)
     failed = Signal(QmdStudioError)
     written = Signal(object)
     job_changed = Signal(str)
@@ -91,7 +91,7 @@ class FileDesk(QObject):
         for clip in clips:
             if clip.path is not None:
                 self._settings.add_recent(clip.path)
-        self.added.emit()
+        self.added.emit([clip.key for clip in self._document.state.clips[-len(clips) :]])
 
     def _say(self, text: str, name: str) -> None:
         self.job_changed.emit(text.format(name=name) if name else "")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDragLeaveEvent, QDropEvent, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QMainWindow, QVBoxLayout, QWidget
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
@@ -20,9 +20,11 @@ from qmd_studio.project.state import DocumentState
 from qmd_studio.ui.actions import Actions, Needs
 from qmd_studio.ui.banner import BannerArea
 from qmd_studio.ui.clip_panel import ClipPanel
-from qmd_studio.ui.dialogs import AboutDialog, HelpDialog, ShortcutsDialog
-from qmd_studio.ui.drop import dropped_files
+from qmd_studio.ui.dialogs import AboutDialog, ShortcutsDialog
+from qmd_studio.ui.dock_title import DockTitle
+from qmd_studio.ui.drop import DropHighlight, dropped_files, dropped_folders
 from qmd_studio.ui.file_desk import FileDesk
+from qmd_studio.ui.help_dialog import HelpDialog
 from qmd_studio.ui.icons import application_icon, icon
 from qmd_studio.ui.menus import Menus, tool_bar
 from qmd_studio.ui.outliner import Outliner
@@ -97,6 +99,8 @@ class MainWindow(QMainWindow):
         grid.setContentsMargins(0, 0, 0, 0)
         grid.addWidget(self.viewport, 0, 0)
         grid.addWidget(self.banners, 0, 0, Qt.AlignmentFlag.AlignTop)
+        self.drop_highlight = DropHighlight()
+        grid.addWidget(self.drop_highlight, 0, 0)
         column = QVBoxLayout(centre)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
@@ -169,7 +173,7 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         self.document.changed.connect(self._follow)
         self.themes.changed.connect(self._follow_theme)
-        self.files.added.connect(self._play_from_start)
+        self.files.added.connect(self._take_in)
         self.files.failed.connect(self.show_problem)
         self.files.written.connect(lambda path: self.show_message("info", self.tr("Written"), [str(path)]))
         self.files.job_changed.connect(self.status.show_job)
@@ -227,7 +231,10 @@ class MainWindow(QMainWindow):
         if self.lab is not None:
             self.lab.export()
 
-    def _play_from_start(self) -> None:
+    def _take_in(self, keys: list[int]) -> None:
+        for key in keys:
+            if self.document.state.clip(key).warnings:
+                self.show_warnings(key)
         self.playhead.seek(0.0)
         self.playhead.playing = self.playhead.n_frames > 1
 
@@ -236,15 +243,23 @@ class MainWindow(QMainWindow):
             self.document.execute(RemoveClip(self.document.state.active))
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        if dropped_files(event.mimeData()):
+        if paths := dropped_files(event.mimeData()):
             event.acceptProposedAction()
+            self.drop_highlight.invite(paths)
+
+    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
+        self.drop_highlight.hide()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        paths = dropped_files(event.mimeData())
+        self.drop_highlight.hide()
+        paths, folders = dropped_files(event.mimeData()), dropped_folders(event.mimeData())
         if paths:
             event.acceptProposedAction()
             self.activateWindow()
             self.open_paths(paths)
+        if folders:
+            lines = [*map(str, folders), self.tr("Drop the files that are in it.")]
+            self.show_message("warning", self.tr("A folder is not opened"), lines)
 
     # Messages
 
@@ -271,7 +286,7 @@ class MainWindow(QMainWindow):
             self.playhead.playing = False
             self.playhead.set_clip(1, 30.0)
         self.stage.show_clip(clip)
-        if clip is not None and clip.key != self._shown_clip:
+        if state.active != self._shown_clip:
             self.viewport.frame_all()
         self._shown_clip = state.active
         self.status.show_clips(len(state.clips))
@@ -335,6 +350,8 @@ class MainWindow(QMainWindow):
         self.timeline.refresh()
         self.outliner.refresh_icons()
         self.status.refresh_icons()
+        for title in self.findChildren(DockTitle):
+            title.refresh_icons()
         for button in self.tools.findChildren(QWidget, "ViewFrom"):
             button.setIcon(icon("view"))
         for banner in self.banners.banners:

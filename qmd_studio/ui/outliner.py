@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPalette
+from PySide6.QtGui import QIcon, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem, QWidget
 
 from qmd_studio.errors import EditError
@@ -11,10 +11,12 @@ from qmd_studio.project.clip import Clip
 from qmd_studio.project.commands import ActivateClip, RenameClip
 from qmd_studio.project.document import Document
 from qmd_studio.project.state import DocumentState
-from qmd_studio.ui.icons import icon
+from qmd_studio.ui.icons import icon, tinted_icon
 
 _KEY = Qt.ItemDataRole.UserRole
 _JOINT = Qt.ItemDataRole.UserRole + 1
+_WARNING = "#c98500"
+"""An amber that stands out from the light ground and the dark one."""
 
 
 class Outliner(QTreeWidget):
@@ -36,9 +38,10 @@ class Outliner(QTreeWidget):
         self.setToolTip(self.tr("Open clips and their joints; F2 renames a clip"))
         self.setColumnCount(2)
         self.setHeaderHidden(True)
-        self.header().setStretchLastSection(False)
-        self.header().setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        self.header().setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
+        self.header().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)  # deep joints: it scrolls
+        self.header().setStretchLastSection(True)
+        self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setIndentation(12)
         self.setUniformRowHeights(True)
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
@@ -114,7 +117,6 @@ class Outliner(QTreeWidget):
             item.setExpanded(True)
 
     def _label(self, state: DocumentState) -> None:
-        warning = QBrush(QColor("#c98500"))
         for place, clip in enumerate(state.clips):
             row = self.topLevelItem(place)
             row.setText(0, clip.name)
@@ -126,7 +128,7 @@ class Outliner(QTreeWidget):
             row.setExpanded(clip.key == state.active)
             count = len(clip.warnings)
             row.setText(1, _count_text(self, count))
-            row.setForeground(1, warning)
+            row.setIcon(1, tinted_icon("warning", _WARNING) if count else QIcon())
             row.setToolTip(1, self.tr("Click to read them") if count else "")
 
     def _current_joint(self) -> int:

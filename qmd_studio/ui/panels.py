@@ -5,6 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import QCoreApplication, Qt
 from PySide6.QtWidgets import QDockWidget, QFrame, QMainWindow, QScrollArea, QWidget
 
+from qmd_studio.ui.dock_title import DockTitle
+
 OUTLINER_WIDTH = 240
 LAB_WIDTH = 360
 
@@ -14,6 +16,7 @@ def dock(window: QMainWindow, name: str, title: str, content: QWidget) -> QDockW
     result = QDockWidget(title, window)
     result.setObjectName(name)
     result.setWidget(content)
+    result.setTitleBarWidget(DockTitle(result))
     result.setFeatures(
         QDockWidget.DockWidgetFeature.DockWidgetMovable
         | QDockWidget.DockWidgetFeature.DockWidgetFloatable

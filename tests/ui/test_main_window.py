@@ -1,8 +1,8 @@
 import threading
 
 import numpy as np
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QImage
+from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QImage
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QFileDialog, QWidget
 
 from qmd_studio.motion.kinematics import world_from_joint
@@ -45,6 +45,49 @@ def test_several_files_dropped_are_one_step_of_the_history(window, bvh_file, dro
     assert window.document.state.clips == ()
     window.verbs["redo"].trigger()
     assert len(window.document.state.clips) == 2
+
+
+def test_a_drag_of_files_is_invited_and_a_folder_among_them_is_named(window, bvh_file, drop, qtbot):
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(bvh_file))])
+    middle, copy, left = window.rect().center(), Qt.DropAction.CopyAction, Qt.MouseButton.LeftButton
+    window.viewport.finish()
+    before = pixels(window)
+    window.dragEnterEvent(QDragEnterEvent(middle, copy, data, left, Qt.KeyboardModifier.NoModifier))
+    assert bvh_file.name in window.drop_highlight.words
+    assert np.abs(pixels(window) - before).mean() > 1
+    window.dragLeaveEvent(QDragLeaveEvent())
+    assert window.drop_highlight.isHidden()
+    assert drop(window, bvh_file, bvh_file.parent)
+    qtbot.waitUntil(lambda: len(window.document.state.clips) == 1, timeout=10_000)
+    assert str(bvh_file.parent) in window.banners.banners[0].text
+    assert window.drop_highlight.isHidden()
+
+
+def test_messages_beyond_three_wait_behind_until_those_are_dismissed(window):
+    for number in range(5):
+        window.show_message("info", f"Message {number}", [])
+    shown = [banner.title for banner in window.banners.banners if banner.isVisible()]
+    assert shown == ["Message 4", "Message 3", "Message 2"]
+    window.verbs["dismiss"].trigger()
+    assert "Message 1" in [banner.title for banner in window.banners.banners if banner.isVisible()]
+
+
+def test_the_default_body_is_framed_again_when_the_last_clip_is_closed(window, open_clip, bvh_file):
+    before = window.viewport.camera
+    open_clip(window, bvh_file)
+    assert not before.is_near(window.viewport.camera)
+    window.verbs["close_clip"].trigger()
+    assert before.is_near(window.viewport.camera)
+
+
+def test_a_unit_that_a_format_has_fixed_cannot_be_chosen(window, open_clip, bvh_file, qtbot):
+    window.files.open_sample()
+    qtbot.waitUntil(lambda: len(window.document.state.clips) == 1, timeout=10_000)
+    assert not window.clip_panel.unit.isEnabled()
+    assert "millimetres" in window.clip_panel.unit.toolTip()
+    open_clip(window, bvh_file)
+    assert window.clip_panel.unit.isEnabled()
 
 
 def test_a_drag_without_a_file_is_refused(window, drop, tmp_path):
@@ -208,12 +251,15 @@ def test_every_control_has_a_name_and_a_tip(window, open_clip, bvh_file):
     assert nameless == []
 
 
-def test_a_warning_of_a_reader_is_read_by_a_click_in_the_outliner(window, open_clip, bvh_file):
+def test_a_warning_of_a_reader_is_shown_and_read_again_by_a_click_in_the_outliner(window, open_clip, bvh_file):
     lines = bvh_file.read_text().splitlines()
     bvh_file.write_text("\n".join([*lines[:-1], " ".join(lines[-1].split()[:5])]))  # the last frame is cut off
     open_clip(window, bvh_file)
+    assert "59" in window.banners.banners[0].text, "a warning is shown with the clip it is about"
+    window.verbs["dismiss"].trigger()
     row = window.outliner.topLevelItem(0)
     assert row.text(1) == "1 warning"
+    assert not row.icon(1).isNull()
     window.outliner.itemClicked.emit(row, 1)
     assert window.banners.banners[0].kind == "warning"
     assert "59" in window.banners.banners[0].text
