@@ -92,7 +92,7 @@ def parse_rows(data: bytes, n_columns: int, start: int = 0) -> Rows:
         values = np.loadtxt(_lines(data, start, "ascii"), dtype=np.float64, comments=None, ndmin=2)
     except ValueError:
         return _rows_by_word(_lines(data, start, "latin-1"), n_columns, first_line)
-    if values.shape[1] != n_columns or not np.isfinite(values.sum()):  # a sum needs no array of its own
+    if values.shape[1] != n_columns or not np.isfinite(np.vdot(values, values)):  # needs no array of its own
         return _rows_by_word(_lines(data, start, "latin-1"), n_columns, first_line)
     return Rows(values, 0, first_line)
 

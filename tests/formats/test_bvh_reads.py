@@ -97,3 +97,9 @@ def test_nan_is_refused_with_its_line():
         read(PLAIN.replace("11 21", "nan 21"))
     assert caught.value.at == "line 29"
     assert caught.value.got == "nan"
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_whose_sum_overflows_are_refused_without_a_warning_of_numpy():
+    with pytest.raises(FormatError, match="too large"):
+        read(PLAIN.replace("11 21", "1e308 1e308"))
