@@ -129,9 +129,22 @@ def _read_qmd(data: bytes, options: ReadOptions) -> Loaded:
 
     skeleton = open_file(options.skeleton).skeleton if options.skeleton else None
     motion = decode(data, skeleton)
+    if options.skeleton and motion.skeleton is skeleton:
+        _check_says_order(options.skeleton)
     if options.fps is not None:
         motion = replace(motion, fps=options.fps)
     return Loaded(motion.skeleton, motion)
+
+
+def _check_says_order(path: Path) -> None:
+    """Raise `FormatError` for an ASF: its motions have their own order of columns, so values would go astray."""
+    if recognise(read_bytes(path), path).name == "asf":
+        raise FormatError(
+            "an .asf does not say in which order a motion's columns stand",
+            path=path,
+            wanted="a motion on that skeleton, such as the .amc that was encoded",
+            hint="Give that with --skeleton",
+        )
 
 
 def _check_options(options: ReadOptions) -> None:

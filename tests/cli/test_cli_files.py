@@ -10,6 +10,7 @@ from command_line import Qmd
 from corpus import corpus_file
 
 from qmd_studio import registry
+from qmd_studio.codecs.qmd.encode import encode
 
 INFO_KEYS = {"format", "frames", "fps", "dofs", "joints", "duration_s"}
 
@@ -128,3 +129,25 @@ def test_motion_is_not_lost_in_a_skeleton_file(qmd: Qmd, walk: Path, tmp_path: P
     assert ".amc" in outcome.json["hint"]
     assert not (tmp_path / "copy.asf").exists()
     assert qmd("convert", walk.with_name("07.asf"), tmp_path / "copy.asf").code == 0
+
+
+def test_file_without_skeleton_plays_on_its_motion_but_not_on_an_asf_of_unknown_order(
+    qmd: Qmd, walk: Path, tmp_path: Path
+) -> None:
+    motion = registry.open_file(walk).motion
+    assert motion is not None
+    bare, out = tmp_path / "bare.qmd", tmp_path / "out.npz"
+    bare.write_bytes(encode(motion, with_skeleton=False).data)
+    asf = walk.with_name("07.asf")
+
+    alone = qmd("decode", bare, out, "--json")
+    assert (alone.code, alone.json["file"]) == (1, str(bare))
+    assert "--skeleton" in alone.json["hint"]
+    refused = qmd("convert", bare, out, "--skeleton", asf, "--json")
+    assert (refused.code, refused.json["file"]) == (1, str(asf))
+    assert qmd("convert", bare, out, "--skeleton", walk).code == 0
+    assert qmd("measure", walk, out, "--json").json["max_mm"] < 20
+
+    whole = tmp_path / "whole.qmd"
+    whole.write_bytes(encode(motion).data)
+    assert qmd("measure", walk, whole, "--skeleton", asf).code == 0  # it has its own: the ASF is the AMC's

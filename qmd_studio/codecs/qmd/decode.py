@@ -86,6 +86,6 @@ def _block_of(parts: container.Container, contents: Payload, skeleton: Skeleton 
         raise FormatError(
             "the file has no skeleton of its own",
             wanted=f"a skeleton with {len(contents.pose)} columns",
-            hint="Give the ASF of the motion with --skeleton",
+            hint="Convert it, and give a motion on the same skeleton (the .amc it came from, say) with --skeleton",
         )
     return SkeletonBlock(skeleton)
