@@ -13,6 +13,7 @@ from qmd_studio.avatar.humanoid import Surface
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.x3d_humanoid import Figure
 from qmd_studio.formats.x3d_scene import MAX_DEPTH, Scene, integers, numbers, points, title, transform_matrix, vector
+from qmd_studio.motion.skeleton import LARGEST
 
 MAX_CORNERS = 600_000
 """A figure with more corners of triangles is refused: USE could make thousands of copies of one mesh."""
@@ -74,7 +75,7 @@ def _shapes(parts: _Parts, element: Element, matrix: FloatArray) -> Iterator[tup
         if node.tag == "Shape":
             yield node, outer
         elif node.tag in _GROUPS:
-            inner = outer @ _matrix(parts, node) if node.tag == "Transform" else outer
+            inner = _usual(outer @ _matrix(parts, node), node) if node.tag == "Transform" else outer
             waiting.extend((child, inner, depth + 1) for child, _ in reversed(list(parts.scene.children(node))))
         elif node.tag in ("LOD", "Switch"):
             chosen = int(vector(node, "whichChoice", (-1.0,))[0]) if node.tag == "Switch" else 0
@@ -88,6 +89,13 @@ def _matrix(parts: _Parts, node: Element) -> FloatArray:
     if id(node) not in parts.matrices:
         parts.matrices[id(node)] = transform_matrix(node)
     return parts.matrices[id(node)]
+
+
+def _usual(values: FloatArray, node: Element) -> FloatArray:
+    """Return `values`; raises `FormatError` where scales upon scales have made them too large."""
+    if not np.abs(values).max(initial=0.0) <= LARGEST:
+        raise FormatError("a mesh is too large", at=title(node), wanted=f"at most {LARGEST:g} m in size")
+    return values
 
 
 def _add(
@@ -113,7 +121,7 @@ def _add(
         raise FormatError("the figure's meshes are too large", wanted=f"at most {MAX_CORNERS} corners of triangles")
     if not triangles.size:
         return
-    positions = positions @ matrix[:3, :3].T + matrix[:3, 3]
+    positions = _usual(positions @ matrix[:3, :3].T + matrix[:3, 3], geometry)
     joints, weights = _rigid(joint, len(positions))
     if influences is not None and skin is not None and parts.scene.child(geometry, "Coordinate") is skin:
         joints, weights = _strongest(*influences, n_points=len(positions))

@@ -14,6 +14,7 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray, IntArray
 from qmd_studio.errors import FormatError
+from qmd_studio.motion.skeleton import LARGEST
 
 MAX_DEPTH = 200
 """Deeper nesting is refused; real figures have about thirty levels."""
@@ -93,7 +94,7 @@ def numbers(element: Element, name: str) -> FloatArray:
         values = np.array(text.replace(",", " ").split(), dtype=np.float64)
     except ValueError as problem:
         raise _wrong(element, name, "numbers", str(problem)[-40:]) from None
-    if not np.isfinite(values).all() or (len(values) and np.abs(values).max() > 1e12):
+    if not np.isfinite(values).all() or (len(values) and np.abs(values).max() > LARGEST):
         raise _wrong(element, name, "numbers of a usual size", "one that is not")
     return values
 

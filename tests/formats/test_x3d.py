@@ -127,6 +127,10 @@ HOSTILE = {
     "doubling": segment("".join(map(doubled, range(60)))),
     "copies": segment(mesh("0 1 2 -1 " * 4000) + "<Shape USE='S'/>" * 900),
     "bad face": segment(mesh("0 1 7")),
+    "scales upon scales": segment("<Transform scale='1e9 1e9 1e9'>" * 40 + mesh("0 1 2") + "</Transform>" * 40),
+    "a scale too much": segment(
+        "<Transform scale='1e9 1 1'><Transform scale='1e4 1 1'>" + mesh("0 1 2") + "</Transform>" * 2
+    ),
 }
 
 
