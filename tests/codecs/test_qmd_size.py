@@ -3,36 +3,10 @@
 import pytest
 
 from qmd_studio.codecs.qmd.size import payload_size
-
-TABLE_1 = [
-    ("jog", 136, 11.9),
-    ("run_leap", 251, 20.9),
-    ("stride", 298, 24.6),
-    ("walk", 343, 28.1),
-    ("jump", 351, 28.7),
-    ("basketball", 396, 32.3),
-    ("forward jump", 415, 33.7),
-    ("dance", 434, 35.2),
-    ("play piano", 691, 55.3),
-    ("play drums", 804, 64.1),
-    ("play violin", 804, 64.1),
-    ("sword play", 2251, 177.2),
-]
-TABLE_2 = [
-    ("jog", 136, 11, 9, 30, 29.7),
-    ("run_leap", 251, 11, 10, 120, 48.1),
-    ("stride", 298, 1, 8, 120, 22.2),
-    ("walk", 343, 1, 10, 330, 50.5),
-    ("jump", 351, 26, 10, 300, 68.6),
-    ("basketball", 396, 11, 10, 210, 64.7),
-    ("forward jump", 415, 6, 10, 90, 75.4),
-    ("dance", 434, 1, 8, 150, 30.8),
-    ("play piano", 691, 26, 10, 60, 167.2),
-]
-ROWS = [(name, n, 6, 8, 0, kb) for name, n, kb in TABLE_1] + TABLE_2
+from tests.paper_tables import PAPER_SIZES
 
 
-@pytest.mark.parametrize(("name", "n", "fdf", "bits", "segment", "printed_kb"), ROWS)
+@pytest.mark.parametrize(("name", "n", "fdf", "bits", "segment", "printed_kb"), PAPER_SIZES)
 def test_payload_size_for_each_row_of_the_paper_is_what_it_prints(name, n, fdf, bits, segment, printed_kb):
     size = payload_size(n, 62, fdf, bits, segment)
     assert abs(size.bytes / 1024 - printed_kb) < 0.15
