@@ -27,6 +27,8 @@ from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.viewport_format import viewport_format
 
 INTERRUPT_POLL_MS = 300
+SWITCH_S = 0.0005
+"""A thread that computes lets the window have its turn after this long; Python's own 5 ms add up within one event."""
 TIME_FIRST_PAINT = "QMD_STUDIO_TIME_FIRST_PAINT"
 """Where this variable is set, the studio says when its first picture was on the screen, and quits: for benchmarks."""
 
@@ -91,6 +93,7 @@ def parser() -> argparse.ArgumentParser:
 
 def make_application() -> QApplication:
     """Return the application, its OpenGL format set before it as Qt demands, its names, font and keys set up."""
+    sys.setswitchinterval(SWITCH_S)
     QSurfaceFormat.setDefaultFormat(viewport_format())
     QGuiApplication.setHighDpiScaleFactorRoundingPolicy(Qt.HighDpiScaleFactorRoundingPolicy.PassThrough)
     app = QApplication.instance() or QApplication(["qmd-studio"])

@@ -24,8 +24,9 @@ class DockTitle(QWidget):
         }
         self._buttons["float"].clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
         self._buttons["close"].clicked.connect(dock.close)
-        for verb, name in (("float", self.tr("Float {panel}")), ("close", self.tr("Close {panel}"))):
-            self._buttons[verb].setAccessibleName(name.format(panel=dock.windowTitle()))
+        names = {"float": self.tr("Float the panel {panel}"), "close": self.tr("Close the panel {panel}")}
+        for verb, button in self._buttons.items():
+            button.setAccessibleName(names[verb].format(panel=dock.windowTitle()))
         row = QHBoxLayout(self)
         row.setContentsMargins(12, 2, 4, 2)
         row.setSpacing(0)

@@ -9,6 +9,7 @@ from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.ui.codec_lab import CodecLab
 from qmd_studio.ui.codec_lab_export import ask_for_path
 from qmd_studio.ui.error_strip import ErrorStrip
+from qmd_studio.ui.panels import LAB_MIN_WIDTH
 from qmd_studio.ui.stage import Overlay, Stage
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def _bring_lab(window: MainWindow) -> None:
     )
     strip = ErrorStrip(window.playhead)
     window.lab, window.strip = lab, strip
+    lab.setMinimumWidth(LAB_MIN_WIDTH)  # it scrolls up and down only
     window.lab_dock.setWidget(lab)
     window.timeline.set_strip(strip)
 

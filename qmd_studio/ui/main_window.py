@@ -28,7 +28,7 @@ from qmd_studio.ui.help_dialog import HelpDialog
 from qmd_studio.ui.icons import application_icon, icon
 from qmd_studio.ui.menus import Menus, tool_bar
 from qmd_studio.ui.outliner import Outliner
-from qmd_studio.ui.panels import LAB_WIDTH, arrange, dock, scrolling
+from qmd_studio.ui.panels import LAB_MIN_WIDTH, arrange, dock, scrolling
 from qmd_studio.ui.player import Player
 from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
 from qmd_studio.ui.stage import Overlay, Stage
@@ -111,7 +111,7 @@ class MainWindow(QMainWindow):
     def _make_panels(self) -> None:
         self.outliner, self.clip_panel = Outliner(self.document), ClipPanel(self.document)
         room = QWidget()
-        room.setMinimumWidth(LAB_WIDTH - 40)
+        room.setMinimumWidth(LAB_MIN_WIDTH)
         self.outliner_dock = dock(self, "OutlinerDock", self.tr("Outliner"), self.outliner)
         self.clip_dock = dock(self, "ClipDock", self.tr("Clip"), scrolling(self.clip_panel))
         self.lab_dock = dock(self, "LabDock", self.tr("Codec lab"), room)

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QDockWidget, QFrame, QMainWindow, QScrollArea, QWi
 from qmd_studio.ui.dock_title import DockTitle
 
 OUTLINER_WIDTH = 240
-LAB_WIDTH = 360
+LAB_WIDTH, LAB_MIN_WIDTH = 360, 340
 
 
 def dock(window: QMainWindow, name: str, title: str, content: QWidget) -> QDockWidget:
@@ -31,6 +31,7 @@ def scrolling(content: QWidget) -> QScrollArea:
     """Return `content` in an area that scrolls up and down where the window is low."""
     area = QScrollArea()
     area.setWidget(content)
+    area.setMinimumWidth(content.minimumSizeHint().width())
     area.setWidgetResizable(True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
