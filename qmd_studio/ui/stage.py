@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.avatar.upright import upright
-from qmd_studio.motion.kinematics import rest_values, world_from_joint
+from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
 from qmd_studio.project.clip import Clip
@@ -90,9 +90,10 @@ class Stage(QObject):
     def show_default_body(self) -> None:
         """Let the default body stand, from now on, wherever nothing is open."""
         from qmd_studio.motion.bap import bap_skeleton
+        from qmd_studio.motion.bap_ease import at_ease
 
         skeleton = bap_skeleton()
-        self._default = [Actor(_made(skeleton), world_from_joint(skeleton, rest_values(skeleton)[None])[0])]
+        self._default = [Actor(_made(skeleton), world_from_joint(skeleton, at_ease()[None])[0])]
         self._pose()
 
     def _pose(self, _index: int = 0) -> None:

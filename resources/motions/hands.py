@@ -13,7 +13,7 @@ def relax_hand(X: FloatArray, side: str, *, amount: FloatArray | float = 1.0) ->
     for place, finger in enumerate(FINGERS):
         for k, degrees in ((1, 16 + 4 * place), (2, 26 + 3 * place), (3, 14 + 2 * place)):
             X[:, column(f"{side}_{finger}{k}_flexion")] -= np.radians(degrees) * amount
-    for k, degrees in ((1, 13), (2, 20), (3, 18)):
+    for k, degrees in ((1, 34), (2, 16), (3, 14)):
         X[:, column(f"{side}_thumb{k}_flexion")] -= np.radians(degrees) * amount
     X[:, column(f"{side}_thumb1_pivot")] += np.radians(-26 if side == "l" else 26) * amount
 
