@@ -14,10 +14,12 @@ class Playhead:
     """A position in frames on a clip of `n_frames` at `fps`. Time comes in through `advance`, never from a clock.
 
     `frame` is a real number in [first, last + 1): the frame that is shown is its floor, `index`. `moved` is emitted
-    with the new `index` when that changes; `state_changed` when playing, loop, speed, range or clip changed.
+    with the new `index` when that changes, `glided` when only the part after the point does; `state_changed` when
+    playing, loop, speed, range or clip changed.
     """
 
     moved = Signal(int)
+    glided = Signal()
     state_changed = Signal()
 
     def __init__(self, n_frames: int = 1, fps: float = 30.0) -> None:
@@ -45,6 +47,11 @@ class Playhead:
     def index(self) -> int:
         """The frame that is shown, 0 to n_frames - 1."""
         return min(int(self._frame), self._n_frames - 1)
+
+    @property
+    def share(self) -> float:
+        """How far from the shown frame to the next one playing is, 0 to 1; 0 on the last frame, and at rest."""
+        return self._frame - self.index if self._playing and self.index < self.last else 0.0
 
     @property
     def time_s(self) -> float:
@@ -150,6 +157,9 @@ class Playhead:
         return self.index >= self.last if self._speed > 0 else self.index <= self.first
 
     def _move(self, frame: float) -> None:
-        before, self._frame = self.index, frame
-        if self.index != before:
+        before, index = self._frame, self.index
+        self._frame = frame
+        if self.index != index:
             self.moved.emit(self.index)
+        elif frame != before:
+            self.glided.emit()

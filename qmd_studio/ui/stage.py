@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.avatar.upright import upright
+from qmd_studio.motion.in_between import in_between
 from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
@@ -20,6 +21,9 @@ from qmd_studio.project.playhead import Playhead
 from qmd_studio.render.ground import ground_height
 from qmd_studio.render.scene import Actor
 from qmd_studio.ui.viewport import Viewport
+
+_SMOOTH_FPS = 60.0
+"""Motions of fewer frames a second are played with poses in between."""
 
 
 class Overlay(StrEnum):
@@ -46,6 +50,8 @@ class Stage(QObject):
         self.kinematics: Callable[[Skeleton, FloatArray], FloatArray] = world_from_joint
         """What poses the bodies: NumPy until the compiled path is warm, which takes longer than the first picture."""
         playhead.moved.connect(self._pose)
+        playhead.glided.connect(self._pose)
+        playhead.state_changed.connect(self._pose)  # at rest a frame is shown as it is
 
     @property
     def overlay(self) -> Overlay:
@@ -119,7 +125,10 @@ class Stage(QObject):
 
     def _matrices(self, motion: Motion) -> FloatArray:
         index = min(self._playhead.index, motion.n_frames - 1)
-        return self._upright @ self.kinematics(motion.skeleton, motion.X[index : index + 1])[0]
+        row, share = motion.X[index], self._playhead.share
+        if share > 0.0 and index + 1 < motion.n_frames and motion.fps < _SMOOTH_FPS:
+            row = in_between(motion.skeleton, row, motion.X[index + 1], share)
+        return self._upright @ self.kinematics(motion.skeleton, row[None])[0]
 
 
 def body_of(clip: Clip) -> Body:

@@ -280,6 +280,27 @@ def test_export_as_writes_what_is_shown_and_a_wrong_suffix_says_so(window, open_
     np.testing.assert_allclose(second.motion.X, first.motion.X, atol=1e-6)
 
 
+def test_a_slow_motion_is_played_smoothly_and_rests_on_its_frames(window, open_clip, bvh_file):
+    open_clip(window, bvh_file)  # 30 frames a second
+    spine = [joint.name for joint in window.document.state.active_clip.motion.skeleton.joints].index("Spine")
+
+    def shown():
+        return window.viewport.scene.actors[0].world_from_joint[spine, :3, :3]
+
+    window.playhead.seek(10)
+    first = shown()
+    window.playhead.seek(11)
+    second = shown()
+    window.playhead.seek(10)
+    window.playhead.playing = True
+    window.player._timer.stop()  # time comes from the test
+    window.playhead.advance(0.5 / 30.0)
+    assert window.playhead.index == 10
+    np.testing.assert_allclose(shown(), (first + second) / 2, atol=1e-4)
+    window.playhead.playing = False
+    np.testing.assert_allclose(shown(), first, atol=1e-12)
+
+
 def test_the_command_line_takes_files_and_options(capsys):
     options = parser().parse_args(["--no-sample", "a.bvh", "b.qmd"])
     assert [path.name for path in options.files] == ["a.bvh", "b.qmd"]
