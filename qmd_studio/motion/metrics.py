@@ -8,8 +8,8 @@ the mean magnitude of the first and second differences of the position error, ti
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -21,7 +21,8 @@ from qmd_studio.motion.motion import ASF_UNIT_M, Motion
 from qmd_studio.motion.skeleton import Skeleton
 
 Align = Literal["none", "first"]
-_SAME_PLACE_M = 1e-3  # skeletons whose bones differ by less are the same one, rounded by some file
+_SAME_LENGTH_M = 1e-3  # skeletons whose bones differ by less are the same one, rounded by some file
+_COPY_HINT = "Only a motion and a copy of it on the same skeleton can be compared"
 _FRAMES_AT_ONCE = 2048
 
 
@@ -58,15 +59,17 @@ class MotionError:
 
 
 def measure(original: Motion, decoded: Motion, *, align: Align = "none") -> MotionError:
-    """Measure `decoded` against `original` at the skeleton's points.
+    """Measure `decoded` against `original` at the original's points.
 
-    `align="first"` first moves the decoded motion so that both roots stand at one place in frame 0. Velocities take the
-    original's frame rate. Raises `FormatError` where the two differ in skeleton or in their number of frames.
+    The decoded motion may have been through a file of another kind, as from AMC to BVH: what counts is that its
+    skeleton has a node of each point's name, on bones of the same lengths. `align="first"` first moves the decoded
+    motion so that both roots stand at one place in frame 0. Velocities take the original's frame rate. Raises
+    `FormatError` where the two differ in skeleton or in their number of frames.
     """
-    _check_comparable(original, decoded)
+    nodes = _nodes_to_compare(original, decoded)
     error = np.concatenate(
         [
-            point_positions(decoded.skeleton, decoded.X[start : start + _FRAMES_AT_ONCE])
+            node_positions(decoded.skeleton, decoded.X[start : start + _FRAMES_AT_ONCE])[:, nodes]
             - point_positions(original.skeleton, original.X[start : start + _FRAMES_AT_ONCE])
             for start in range(0, original.n_frames, _FRAMES_AT_ONCE)
         ]
@@ -120,40 +123,49 @@ def _root_at_first(motion: Motion) -> FloatArray:
     return root
 
 
-def _check_comparable(original: Motion, decoded: Motion) -> None:
+def _nodes_to_compare(original: Motion, decoded: Motion) -> list[int]:
+    """Return the decoded motion's node for each point of the original."""
     if original.n_frames != decoded.n_frames:
         wanted, got = f"{original.n_frames} frames", f"{decoded.n_frames} frames"
         raise FormatError("the motions differ in length", wanted=wanted, got=got, hint="Compare a motion with its copy")
     first, second = original.skeleton, decoded.skeleton
     if not first.points:
         raise FormatError("the skeleton has no points to measure at")
-    if first is second:
-        return
-    hint = "Only a motion and a copy of it on the same skeleton can be compared"
-    if first.point_names != second.point_names or first.node_names != second.node_names:
+    if first.node_names == second.node_names:
+        _check_bones(first, second, range(second.n_nodes))
+        return list(first.points)
+    number = {name: node for node, name in enumerate(second.node_names)}
+    if set(first.node_names) != number.keys() or len(number) != first.n_nodes:
         wanted, got = _unlike(first, second)
-        raise FormatError("the motions have different skeletons", wanted=wanted, got=got, hint=hint)
-    apart = np.linalg.norm(_offsets(first) - _offsets(second), axis=1)
-    if apart.max() > _SAME_PLACE_M:
+        raise FormatError("the motions have different skeletons", wanted=wanted, got=got, hint=_COPY_HINT)
+    nodes = [number[name] for name in first.node_names]
+    _check_bones(first, second, nodes)
+    return [nodes[point] for point in first.points]
+
+
+def _check_bones(first: Skeleton, second: Skeleton, nodes: Sequence[int]) -> None:
+    """Compare the lengths of bones; their directions at rest depend on the axes that a file gives its joints."""
+    apart = np.abs(_bone_lengths(first) - _bone_lengths(second)[list(nodes)])
+    if apart.max() > _SAME_LENGTH_M:
         raise FormatError(
             "the motions have skeletons of different measures",
             at=f"joint {first.node_names[int(apart.argmax())]}",
             wanted="the same bones",
-            got=f"a bone that ends {1000 * apart.max():.3g} mm elsewhere",
-            hint=hint,
+            got=f"a bone that is {1000 * apart.max():.3g} mm longer or shorter",
+            hint=_COPY_HINT,
         )
 
 
 def _unlike(first: Skeleton, second: Skeleton) -> tuple[str, str]:
     """Return what is wanted and what is there instead, for two skeletons whose names differ."""
-    ours, theirs, what = first.node_names, second.node_names, "joints and ends"
-    if ours == theirs:
-        ours, theirs, what = first.point_names, second.point_names, "measured points"
-    mine, other = next(pair for pair in zip_longest(ours, theirs) if pair[0] != pair[1])
-    wanted = f"{len(ours)} {what}" + (f", {mine!r} among them" if mine is not None else "")
-    return wanted, f"{len(theirs)}, with {other!r} in its place" if other is not None else f"{len(theirs)}"
+    mine = [name for name in first.node_names if name not in second.node_names]
+    other = [name for name in second.node_names if name not in first.node_names]
+    wanted = f"{first.n_nodes} joints and ends" + (f", {mine[0]!r} among them" if mine else "")
+    return wanted, f"{second.n_nodes}" + (f", {other[0]!r} among them" if other else "")
 
 
-def _offsets(skeleton: Skeleton) -> FloatArray:
-    """Return the rest offsets (n_nodes, 3) in metres."""
-    return np.array([joint.offset for joint in skeleton.joints] + [site.offset for site in skeleton.end_sites])
+def _bone_lengths(skeleton: Skeleton) -> FloatArray:
+    """Return how far each node (n_nodes,) is from the joint before it, in metres; 0 for roots, which stand anywhere."""
+    offsets = [joint.offset if joint.parent >= 0 else (0.0, 0.0, 0.0) for joint in skeleton.joints]
+    lengths: FloatArray = np.linalg.norm(np.array(offsets + [site.offset for site in skeleton.end_sites]), axis=1)
+    return lengths

@@ -9,10 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from qmd_studio.errors import FormatError
+from qmd_studio.motion.as_euler import as_euler
 from qmd_studio.motion.kinematics import point_positions
 from qmd_studio.motion.metrics import measure
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Column, ColumnKind, EndSite, Joint, Skeleton, SkeletonKind
+from tests.generated_motion import walker
 
 UNIT = 0.0254 / 0.45
 STICK = Skeleton(
@@ -110,9 +112,22 @@ def test_motions_of_other_length_or_skeleton_are_refused():
     renamed = replace(STICK, joints=(STICK.joints[0], replace(STICK.joints[1], name="elbow")))
     with pytest.raises(FormatError, match=r"different skeletons.*knee"):
         measure(motion, replace(motion, skeleton=renamed))
-    fewer = replace(STICK, points=(0, 2))
-    with pytest.raises(FormatError, match=r"3 measured points, 'knee' among them; got 2, with 'sole' in its place"):
-        measure(motion, replace(motion, skeleton=fewer))
     longer = replace(STICK, end_sites=(EndSite("sole", 1, (0.0, -0.5, 0.0)),))
     with pytest.raises(FormatError, match=r"sole.*100 mm"):
         measure(motion, replace(motion, skeleton=longer))
+
+
+def test_a_copy_with_other_points_is_measured_at_those_of_the_original():
+    motion = stick(np.zeros((3, 5)))
+    fewer = replace(motion, skeleton=replace(STICK, points=(0, 2)))
+    assert measure(motion, fewer).distance_mm.shape == (3, 3)
+    assert measure(fewer, motion).distance_mm.shape == (3, 2)
+
+
+def test_a_motion_and_its_copy_in_channels_of_another_order_are_in_the_same_places():
+    original = walker(40)
+    copy = as_euler(original)
+    assert copy.skeleton.node_names != original.skeleton.node_names or copy.skeleton.kind != original.skeleton.kind
+    error = measure(original, copy)
+    assert error.distance_mm.shape == (40, len(original.skeleton.points))
+    assert error.max_mm < 1e-6
