@@ -24,6 +24,7 @@ from qmd_studio.ui.dialogs import AboutDialog, ShortcutsDialog
 from qmd_studio.ui.dock_title import DockTitle
 from qmd_studio.ui.drop import DropHighlight, dropped_files, dropped_folders
 from qmd_studio.ui.file_desk import FileDesk
+from qmd_studio.ui.focus_ring import FocusRing
 from qmd_studio.ui.help_dialog import HelpDialog
 from qmd_studio.ui.icons import application_icon, icon
 from qmd_studio.ui.menus import Menus, tool_bar
@@ -98,6 +99,7 @@ class MainWindow(QMainWindow):
         grid = QGridLayout(view)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.addWidget(self.viewport, 0, 0)
+        grid.addWidget(FocusRing(self.viewport), 0, 0)
         grid.addWidget(self.banners, 0, 0, Qt.AlignmentFlag.AlignTop)
         self.drop_highlight = DropHighlight()
         grid.addWidget(self.drop_highlight, 0, 0)

@@ -3,11 +3,13 @@ import threading
 import numpy as np
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QImage
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QFileDialog, QWidget
 
 from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.ui import furnishing
 from qmd_studio.ui.app import FaultReporter, parser
+from qmd_studio.ui.focus_ring import FocusRing
 from qmd_studio.ui.theme import DARK, LIGHT, Theme
 
 
@@ -299,6 +301,31 @@ def test_a_slow_motion_is_played_smoothly_and_rests_on_its_frames(window, open_c
     np.testing.assert_allclose(shown(), (first + second) / 2, atol=1e-4)
     window.playhead.playing = False
     np.testing.assert_allclose(shown(), first, atol=1e-12)
+
+
+def test_the_focus_is_seen_wherever_tab_brings_it(window, open_clip, bvh_file):
+    open_clip(window, bvh_file)
+    window.viewport.finish()
+    knob = window.lab.knobs.bits
+    ring = window.findChild(FocusRing)
+    window.viewport.setFocus(Qt.FocusReason.MouseFocusReason)
+    assert ring.isHidden(), "a click needs no ring"
+    window.timeline.place.setFocus()
+    window.viewport.setFocus(Qt.FocusReason.TabFocusReason)
+    assert ring.isVisible()
+    assert ring.geometry() == window.viewport.geometry()
+    for widget in (window.outliner, knob.slider, knob.spin, window.strip):
+        window.timeline.place.setFocus()
+        assert ring.isHidden()
+        before = pixels(widget)
+        widget.setFocus(Qt.FocusReason.TabFocusReason)
+        assert (pixels(widget) != before).any(), widget
+    fps, unit = window.clip_panel.fps, window.clip_panel.unit
+    before = pixels(unit)
+    fps.setFocus()
+    QTest.keyClick(fps, Qt.Key.Key_Tab)
+    assert unit.hasFocus()
+    assert (pixels(unit) != before).any()
 
 
 def test_the_command_line_takes_files_and_options(capsys):
