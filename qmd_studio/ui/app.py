@@ -30,8 +30,8 @@ INTERRUPT_POLL_MS = 300
 SWITCH_S = 0.0005
 """A thread in the interpreter lets the window have its turn after this long; Python's own 5 ms add up within one event.
 
-A new frame beside a thread that is busy in Python took 96 ms (one in ten 280 ms) with 5 ms, and 53 ms with this. Compiled
-kernels let go of the interpreter anyway.
+A new frame beside a thread that is busy in Python took 96 ms (one in ten 280 ms) with 5 ms, and 53 ms with this.
+Compiled kernels let go of the interpreter anyway.
 """
 TIME_FIRST_PAINT = "QMD_STUDIO_TIME_FIRST_PAINT"
 """Where this variable is set, the studio says when its first picture was on the screen, and quits: for benchmarks."""
