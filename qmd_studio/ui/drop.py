@@ -57,6 +57,7 @@ class DropHighlight(QWidget):
         painter.drawRoundedRect(box, 8, 8)
         painter.setPen(self.palette().color(QPalette.ColorRole.HighlightedText))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, words)
+        painter.end()
 
 
 def _local(data: QMimeData) -> list[Path]:

@@ -36,6 +36,7 @@ class ElidedLabel(QLabel):
         role = self.foregroundRole()
         flags = int(self.alignment() | Qt.TextFlag.TextSingleLine)
         self.style().drawItemText(painter, area, flags, option.palette, self.isEnabled(), text, role)
+        painter.end()
 
     def _show_rest(self) -> None:
         fits = self.fontMetrics().horizontalAdvance(self.text()) <= self.contentsRect().width()

@@ -171,6 +171,7 @@ class ErrorStrip(QWidget):
             self._paint_worst(painter)
             self._paint_labels(painter, axis)
         self._paint_playhead(painter)
+        painter.end()
 
     def _paint_words(self, painter: QPainter, words: str) -> None:
         painter.setPen(self.palette().color(QPalette.ColorRole.PlaceholderText))

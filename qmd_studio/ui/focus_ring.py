@@ -27,3 +27,4 @@ class FocusRing(QWidget):
         painter = QPainter(self)
         painter.setPen(QPen(self.palette().color(QPalette.ColorRole.Accent), 2.0))
         painter.drawRect(QRectF(self.rect()).adjusted(1, 1, -1, -1))
+        painter.end()

@@ -80,6 +80,7 @@ class Outliner(QTreeWidget):
         flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
         text = self.tr("Drop a BVH, AMC, BAP, X3D or QMD file on the window, or press Ctrl+O.")
         painter.drawText(self.viewport().rect().adjusted(24, 24, -24, -24), int(flags), text)
+        painter.end()
 
     def _follow(self, state: DocumentState) -> None:
         shown = (state.clips, state.active)

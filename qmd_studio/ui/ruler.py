@@ -109,6 +109,7 @@ class Ruler(QWidget):
         if self.hasFocus():
             painter.setPen(self.palette().color(QPalette.ColorRole.Highlight))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+        painter.end()
 
     def _paint_range(self, painter: QPainter) -> None:
         if self._playhead.preview_range is None:

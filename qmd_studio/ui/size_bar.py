@@ -73,6 +73,7 @@ class SizeBar(QWidget):
         ground = self.palette().color(QPalette.ColorRole.Window)
         for _, area in self.rectangles()[1:]:
             painter.fillRect(QRectF(area.left() - 0.5, 0.0, 1.0, area.height()), ground)
+        painter.end()
 
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
