@@ -10,8 +10,9 @@ from qmd_studio import storage
 from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.measure import error_lines
 from qmd_studio.cli.parser import UsageError
-from qmd_studio.cli.report import Report, in_bytes
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.cli.report import Report, Value, in_bytes
+from qmd_studio.codecs.qmd.file import describe
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.tuning.session import TuningSession
 
@@ -24,8 +25,9 @@ def run(arguments: Namespace) -> Report:
         raise UsageError("encode writes QMD only", wanted="a name that ends in .qmd", got=arguments.output)
     opened = open_motion(arguments.input, skeleton=arguments.skeleton)
     frames, dofs = opened.motion.X.shape
+    settings = _settings(arguments, dofs)
     try:
-        outcome = TuningSession(opened.motion).evaluate(_settings(arguments, dofs))
+        outcome = TuningSession(opened.motion).evaluate(settings)
     except QmdStudioError as error:
         raise error.located(arguments.input) from None
     storage.write_atomic(arguments.output, outcome.data)
@@ -34,12 +36,14 @@ def run(arguments: Namespace) -> Report:
         "payload_bytes": outcome.size.bytes,
         "frames": frames,
         "dofs": dofs,
+        **(found := _found(outcome.data)),
         **{key: value for key, value in outcome.error.as_json().items() if key in _ERROR_KEYS},
         "seconds": round(outcome.seconds, 6),
     }
     raw_bytes = frames * dofs * 4
     lines = [
         ("written", arguments.output),
+        *([("found", _in_words(found))] if settings.encoder is Encoder.BOUNDED else []),
         ("motion", f"{frames:,} frames × {dofs} degrees of freedom"),
         ("payload", f"{in_bytes(outcome.size.bytes)}, {outcome.size.bytes / raw_bytes:.1%} of the raw numbers"),
         ("file", in_bytes(outcome.file_bytes)),
@@ -49,13 +53,32 @@ def run(arguments: Namespace) -> Report:
     return Report(values, lines, opened.warnings, opened.notes)
 
 
+def _found(data: bytes) -> dict[str, Value]:
+    """Return what the file was made with; the bounded encoder chooses that by itself."""
+    facts = describe(data)
+    return {key: facts[key] for key in ("encoder", "fdf", "bits", "segments")}
+
+
+def _in_words(found: dict[str, Value]) -> str:
+    segments = "one segment" if found["segments"] == 1 else f"{found['segments']} segments"
+    return f"FDF {found['fdf']}, {found['bits']} bits, {segments}"
+
+
 def _settings(arguments: Namespace, n_columns: int) -> QmdSettings:
-    """Return the settings asked for; the default FDF, unlike a wish, gives way where there are fewer columns."""
+    """Return the settings asked for; the default FDF, unlike a wish, gives way where there are fewer columns.
+
+    Raises `UsageError` for a bound without the bounded encoder, or the encoder without its bound.
+    """
+    encoder, bound_mm = Encoder(arguments.encoder), arguments.max_error_mm
+    if (encoder is Encoder.BOUNDED) != (bound_mm is not None):
+        raise UsageError("the bounded encoder and its bound go together", wanted="--encoder bounded --max-error-mm E")
     settings = QmdSettings(
         bits=arguments.bits,
         segment=arguments.segment,
-        encoder=Encoder(arguments.encoder),
+        encoder=encoder,
         k=arguments.k,
         rqt=arguments.rqt,
+        buckets=Buckets(arguments.buckets),
+        max_error_mm=bound_mm or QmdSettings().max_error_mm,
     )
     return settings.fitted(n_columns) if arguments.fdf is None else replace(settings, fdf=arguments.fdf)

@@ -31,6 +31,9 @@ class _Parser(ArgumentParser):
         raise problem
 
 
+_ENCODER_HELP = "closed (the default), the same without kinematics, the paper's, or as small as a bound lets it be"
+
+
 def build_parser() -> ArgumentParser:
     """Return the parser of `qmd`; the namespace it makes has `run(namespace) -> Report`."""
     parser = _Parser(prog="qmd", description="Avatar motion that is small to send: look, convert, encode, measure.")
@@ -97,9 +100,15 @@ def _add_encode(verbs: Any) -> None:
     _add_whole(parser, "--fdf", "F", low=0, help="columns kept exact (6)")
     _add_whole(parser, "--bits", "B", low=8, high=16, default=8, help="bits of an index, 8 to 16 (8)")
     _add_whole(parser, "--segment", "D", low=0, default=0, help=_SEGMENT_HELP)
-    parser.add_argument("--encoder", choices=("closed", "paper"), default="closed", help="closed loop, or the paper's")
+    parser.add_argument(
+        "--encoder", choices=("closed", "plain", "paper", "bounded"), default="closed", help=_ENCODER_HELP
+    )
+    parser.add_argument("--max-error-mm", metavar="E", type=_distance, help="bounded: no joint further off than this")
     parser.add_argument("--k", metavar="K", type=_weight, default=math.inf, help="paper: table weights 1/l^K (inf)")
     _add_whole(parser, "--rqt", "M", low=1, default=10000, help="paper: values are rounded to 1/M")
+    parser.add_argument(
+        "--buckets", choices=("frequency", "width"), default="frequency", help="paper: buckets of equal share or width"
+    )
 
 
 def _add_decode(verbs: Any) -> None:
@@ -157,6 +166,10 @@ def _positive(text: str) -> float:
 
 def _weight(text: str) -> float:
     return _number("--k", "a number from 0 up, or inf", text, lambda value: value >= 0)
+
+
+def _distance(text: str) -> float:
+    return _number("--max-error-mm", "millimetres above 0", text, lambda value: 0 < value < math.inf)
 
 
 def _number(option: str, wanted: str, text: str, fits: Callable[[float], bool]) -> float:

@@ -7,12 +7,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.errors import StorageError
 from qmd_studio.storage import read_bytes, write_atomic
 
 _FORBIDDEN = frozenset('<>:"/\\|?*')
-_SETTINGS_IN_NAME = re.compile(r"(?<=.)__fdf\d+_b\d+_nd\d+(_[a-z0-9.]+)*(-\d+)?$")
+_SETTINGS_IN_NAME = re.compile(r"(?<=.)__(fdf\d+_b\d+_nd\d+(_[a-z0-9.]+)*|within[0-9.e-]+mm)(-\d+)?$")
 _MAX_NUMBER = 9999
 
 
@@ -28,17 +28,21 @@ class Exported:
 def suggested_name(stem: str, settings: QmdSettings, n_rows: int) -> str:
     """Return the file name for an encoding of `n_rows` differences, "walk__fdf6_b8_nd342.qmd".
 
-    The paper's encoder adds "_paper", and k and RQT where they are not its defaults. Characters that a file system
-    refuses become "_"; settings that an earlier export left at the end of the stem go.
+    The paper's encoder adds "_paper", and k, RQT and "_width" where they are not its defaults; the plain one adds
+    "_plain". A bounded file is named after its bound, "walk__within1mm.qmd", for the rest was not asked for.
+    Characters that a file system refuses become "_"; settings that an earlier export left at the end of the stem go.
     """
     stem = _SETTINGS_IN_NAME.sub("", stem)
     cleaned = "".join("_" if c in _FORBIDDEN or ord(c) < 32 else c for c in stem).strip(". ") or "motion"
+    if settings.encoder is Encoder.BOUNDED:
+        return f"{cleaned}__within{settings.max_error_mm:g}mm.qmd"
     name = f"{cleaned}__fdf{settings.fdf}_b{settings.bits}_nd{settings.segment or n_rows}"
     if settings.encoder is not Encoder.CLOSED:
         name += f"_{settings.encoder}"
     if settings.encoder is Encoder.PAPER:
         name += "" if math.isinf(settings.k) else f"_k{settings.k:g}"
         name += "" if settings.rqt == QmdSettings().rqt else f"_rqt{settings.rqt}"
+        name += "" if settings.buckets is Buckets.FREQUENCY else f"_{settings.buckets}"
     return f"{name}.qmd"
 
 

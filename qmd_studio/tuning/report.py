@@ -16,6 +16,8 @@ from qmd_studio.motion.motion import Motion
 class EncodeReport:
     """The outcome of one setting: `size` of the payload, `file_bytes` with all around it, `error`, `seconds` it took.
 
+    `draft` says whether the indices were chosen in haste: such a report is to be looked at, not exported.
+
     `data` and `decoded` are made when first asked for, from the very indices and poses that were measured: a slider
     that is dragged needs neither. They are kept then, and may be asked for on any thread.
     """
@@ -25,6 +27,7 @@ class EncodeReport:
     file_bytes: int
     error: MotionError
     seconds: float
+    draft: bool
     _assemble: Callable[[], bytes]
     _decode: Callable[[], Motion]
 

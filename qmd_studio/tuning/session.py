@@ -10,9 +10,9 @@ import numpy as np
 from qmd_studio.arrays import BoolArray, Float32Array
 from qmd_studio.codecs.qmd import container, payload
 from qmd_studio.codecs.qmd.decode import decode_payload
-from qmd_studio.codecs.qmd.encode import encode_matrix
-from qmd_studio.codecs.qmd.settings import QmdSettings
-from qmd_studio.codecs.qmd.size import SizeBreakdown, payload_size
+from qmd_studio.codecs.qmd.encode import encode_matrix, size_of
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.size import SizeBreakdown
 from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
 from qmd_studio.codecs.qmd.units import codec_matrix, column_scales, motion_matrix
 from qmd_studio.motion.metrics import MotionError
@@ -31,7 +31,6 @@ class TuningSession:
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
         self._matrix = codec_matrix(motion)
-        self._levels = np.array(motion.skeleton.levels, dtype=np.int64)
         self._block = pack_skeleton_block(motion)
         self._lengths = np.flatnonzero(column_scales(motion.skeleton) != 1.0)
         self._origin = np.where(_moves_all(motion.skeleton), self._matrix[0], np.float32(0))
@@ -42,28 +41,34 @@ class TuningSession:
         return len(self._block)
 
     def size(self, settings: QmdSettings) -> SizeBreakdown:
-        """Return the size of the payload that `settings` give, by formula; raises `CodecError` for bad settings."""
-        settings = self._checked(settings)
-        n_frames, n_columns = self._matrix.shape
-        return payload_size(n_frames - 1, n_columns, settings.fdf, settings.bits, settings.segment)
+        """Return the size of the payload that `settings` give, by formula.
+
+        Raises `CodecError` for bad settings, and for the bounded encoder: its size is not known before it has run.
+        """
+        return size_of(self.motion, self._checked(settings))
 
     def file_bytes(self, settings: QmdSettings) -> int:
         """Return the size of the whole file that `settings` give, by formula."""
         return container.HEADER.size + self.size(settings).bytes + len(self._block)
 
-    def evaluate(self, settings: QmdSettings) -> EncodeReport:
-        """Encode, decode and measure; raises `CodecError` for bad settings."""
+    def evaluate(self, settings: QmdSettings, *, draft: bool = False) -> EncodeReport:
+        """Encode, decode and measure; raises `CodecError` for bad settings and for a bound that cannot be met.
+
+        A `draft` takes less time, for a slider that is being dragged: same size, a little more error. It is as true of
+        its own bytes as any report; but what is exported is not to be a draft.
+        """
         started = time.perf_counter()
         settings = self._checked(settings)
-        encoded = encode_matrix(self._matrix, self._levels, settings)
+        encoded = encode_matrix(self._matrix, self.motion.skeleton, settings, draft=draft)
         error = self._measured(encoded.decoded)
         contents = encoded.payload
         return EncodeReport(
             settings=settings,
-            size=self.size(settings),
-            file_bytes=self.file_bytes(settings),
+            size=contents.size,
+            file_bytes=container.HEADER.size + contents.size.bytes + len(self._block),
             error=error,
             seconds=time.perf_counter() - started,
+            draft=draft and settings.encoder is Encoder.CLOSED,
             _assemble=lambda: container.build(payload.pack(contents), self._block, self.motion.fps, settings),
             _decode=lambda: self.motion.with_values(motion_matrix(decode_payload(contents), self.motion.skeleton)),
         )

@@ -133,14 +133,26 @@ class CodecLab(QWidget):
         self.breakdown.show_size(size)
         self.export_bar.forget_report()
         self.figures.wait()
-        self.worker.request(clip.motion, settings)
+        self.worker.request(clip.motion, settings, draft=self.knobs.held)
 
     def _measured(self, report: EncodeReport) -> None:
         self.report = report
         self.problem.clear()
         self.figures.show_report(report)
         self.report_ready.emit(report)
-        self.export_bar.take_report(report)
+        if not report.draft:
+            self.export_bar.take_report(report)
+        elif not self.knobs.held:
+            self._finish()
+
+    def _finish(self) -> None:
+        """Have the settings measured that a held slider was left at, if only their draft is there."""
+        if self._clip is not None and self._settings is not None and self._drafted:
+            self.worker.request(self._clip.motion, self._settings)
+
+    @property
+    def _drafted(self) -> bool:
+        return self.report is not None and self.report.draft and not self.worker.pending
 
     def _fail(self, problem: QmdStudioError) -> None:
         self.worker.cancel()
@@ -172,6 +184,7 @@ class CodecLab(QWidget):
         self._document.changed.connect(self._show)
         self.knobs.changed.connect(self._change)
         self.knobs.settled.connect(self._document.end_merge)
+        self.knobs.settled.connect(self._finish)
         self.worker.measured.connect(self._measured)
         self.worker.failed.connect(self._fail)
         self.figures.frame_wanted.connect(self._go_to_frame)

@@ -49,6 +49,11 @@ class Knobs(QWidget):
         self._lay_out()
         self._connect()
 
+    @property
+    def held(self) -> bool:
+        """Whether a slider is being dragged."""
+        return any(knob.slider.isSliderDown() for knob in (self.fdf, self.bits, self.segment))
+
     def show_settings(self, motion: Motion, settings: QmdSettings) -> None:
         """Show `settings`, which fit `motion`."""
         n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns
@@ -139,11 +144,20 @@ class Knobs(QWidget):
     def _encoders(self) -> tuple[Choice, ...]:
         return (
             Choice(str(Encoder.CLOSED), self.tr("Closed loop"), self._closed_tip()),
+            Choice(str(Encoder.PLAIN), self.tr("Plain loop"), self._plain_tip()),
             Choice(str(Encoder.PAPER), self.tr("The paper's"), self._paper_tip()),
         )
 
     def _closed_tip(self) -> str:
-        return self.tr("Follows what the decoder will have, so that errors do not add up. Same bytes, same decoder.")
+        return self.tr(
+            "Follows what the decoder will have, and chooses the indices of a frame together by where they put the "
+            "joints. Same bytes, same decoder."
+        )
+
+    def _plain_tip(self) -> str:
+        return self.tr(
+            "Follows what the decoder will have, each column by itself: quicker, about five times the error."
+        )
 
     def _paper_tip(self) -> str:
         return self.tr("As published in 2005: errors add up along a segment. For comparison.")

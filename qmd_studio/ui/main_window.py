@@ -165,6 +165,7 @@ class MainWindow(QMainWindow):
             "previous_worst": lambda: self.strip and self.strip.go_to_previous(),
             "reset_codec": lambda: self.document.execute(SetCodecSettings(QmdSettings())),
             "encoder_closed": lambda: self._choose_encoder(Encoder.CLOSED),
+            "encoder_plain": lambda: self._choose_encoder(Encoder.PLAIN),
             "encoder_paper": lambda: self._choose_encoder(Encoder.PAPER),
             "column_levels": lambda: self.lab and self.lab.open_levels(),
             "help": lambda: HelpDialog(self).show(),
@@ -293,7 +294,7 @@ class MainWindow(QMainWindow):
         self._shown_clip = state.active
         self.status.show_clips(len(state.clips))
         self.setWindowTitle(f"{clip.name} — QMD Studio" if clip else "QMD Studio")
-        self.verbs["encoder_closed" if state.codec.encoder is Encoder.CLOSED else "encoder_paper"].setChecked(True)
+        self.verbs[f"encoder_{state.codec.encoder}"].setChecked(True)
         self._name_history()
         self.enable_verbs()
 

@@ -36,6 +36,7 @@ class Job:
     ticket: int
     motion: Motion
     settings: QmdSettings
+    draft: bool = False
 
 
 class Mailbox:
@@ -82,7 +83,8 @@ class TuningWorker(QObject):
     """Turns `request(motion, settings)` into `measured(EncodeReport)` or `failed(QmdStudioError)`.
 
     Every request has a ticket. Only the outcome of the newest is emitted, always on this object's thread; a request
-    that has not begun when a newer one comes never begins. A report that is still remembered is emitted at once.
+    that has not begun when a newer one comes never begins. A report that is still remembered is emitted at once. A
+    `draft` is enough while a slider is held: it comes sooner, and it is not remembered.
     """
 
     measured = Signal(object)
@@ -107,11 +109,11 @@ class TuningWorker(QObject):
         """Whether the newest request still waits for its outcome."""
         return self._pending
 
-    def request(self, motion: Motion, settings: QmdSettings) -> int:
+    def request(self, motion: Motion, settings: QmdSettings, *, draft: bool = False) -> int:
         """Ask for the report of `settings`, which fit `motion`; return the ticket. Older requests are forgotten."""
         self._newest += 1
         self._pending = True
-        job = Job(self._newest, motion, settings)
+        job = Job(self._newest, motion, settings, draft)
         known = self._reports.get((motion, settings))
         if known is not None:
             self._mailbox.empty()
@@ -140,7 +142,7 @@ class TuningWorker(QObject):
         self._thread.start()
 
     def _receive(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
-        if not isinstance(outcome, QmdStudioError):
+        if not isinstance(outcome, QmdStudioError) and not outcome.draft:
             self._remember(job, outcome)
         if job.ticket != self._newest:
             return
@@ -166,7 +168,7 @@ def _work(mailbox: Mailbox, deliver: Callable[[Job, object], None]) -> None:
 
 def _outcome(job: Job, sessions: OrderedDict[Motion, TuningSession]) -> EncodeReport | QmdStudioError:
     try:
-        report = _session(job.motion, sessions).evaluate(job.settings)
+        report = _session(job.motion, sessions).evaluate(job.settings, draft=job.draft)
         _ = report.decoded  # made here, where nobody waits for it, and kept in the report
         return report
     except QmdStudioError as problem:

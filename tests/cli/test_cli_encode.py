@@ -11,7 +11,7 @@ from generated_motion import walker
 
 KEYS = {
     "bytes", "payload_bytes", "frames", "dofs", "def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame",
-    "seconds",
+    "seconds", "encoder", "fdf", "bits", "segments",
 }  # fmt: skip
 INFO_KEYS = {
     "format", "frames", "fps", "dofs", "joints", "duration_s", "fdf", "bits", "segment", "segments", "encoder",
@@ -23,6 +23,8 @@ SETTINGS = [
     ("--fdf 62", (62, 8, 0, "closed")),
     ("--encoder paper --k 2 --rqt 1000 --bits 9", (6, 9, 0, "paper")),
     ("--encoder paper --k inf --segment 7", (6, 8, 7, "paper")),
+    ("--encoder paper --buckets width", (6, 8, 0, "paper")),
+    ("--encoder plain", (6, 8, 0, "plain")),
 ]
 
 
@@ -99,3 +101,27 @@ def test_folder_that_is_not_there_is_an_input_error(qmd: Qmd, walk: Path, tmp_pa
     outcome = qmd("encode", walk, tmp_path / "nowhere" / "walk.qmd", "--json")
     assert outcome.code == 1
     assert outcome.json["file"].endswith("walk.qmd")
+
+
+def test_bounded_file_says_what_was_found_and_keeps_its_bound(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    out = tmp_path / "walk.qmd"
+    told = qmd("encode", walk, out, "--encoder", "bounded", "--max-error-mm", "0.5", "--json").json
+    info = qmd("info", out, "--json").json
+    assert told["max_mm"] <= 0.5
+    assert qmd("measure", walk, out, "--json").json["max_mm"] <= 0.5
+    assert (info["encoder"], info["fdf"], info["bits"]) == ("bounded", told["fdf"], told["bits"])
+    assert told["bytes"] == info["bytes"] == out.stat().st_size
+    assert "FDF" in qmd("encode", walk, out, "--encoder", "bounded", "--max-error-mm", "0.5").out
+
+
+@pytest.mark.parametrize("options", ["--encoder bounded", "--max-error-mm 1", "--encoder bounded --max-error-mm 0"])
+def test_bound_and_bounded_encoder_go_together(qmd: Qmd, walk: Path, tmp_path: Path, options: str) -> None:
+    outcome = qmd("encode", walk, tmp_path / "walk.qmd", *options.split())
+    assert outcome.code == 2
+    assert not (tmp_path / "walk.qmd").exists()
+
+
+def test_bound_that_cannot_be_kept_says_which_can(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    outcome = qmd("encode", walk, tmp_path / "walk.qmd", *["--encoder", "bounded", "--max-error-mm", "1e-9"], "--json")
+    assert outcome.code != 0
+    assert "best that can be reached" in outcome.json["got"]

@@ -1,11 +1,12 @@
 """The encoder and the decoder once more, one value after another in plain NumPy: the twin of the fast ones."""
 
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 
 from qmd_studio.codecs.qmd.payload import Payload, Segment
-from qmd_studio.codecs.qmd.settings import Encoder
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder
 from qmd_studio.codecs.qmd.tables import companded_table
 
 
@@ -37,6 +38,9 @@ def paper_segment(poses, _, levels, settings):
         middle_twice = 2 * below + int(count) - 1
         bucket_of[integer] = min(middle_twice * n_buckets // (2 * integers.size), n_buckets - 1)
         below += int(count)
+        if settings.buckets is Buckets.WIDTH:  # whole numbers: the fraction is exact
+            place = Fraction(int(integer - integers.min()), int(integers.max() - integers.min()) + 1)
+            bucket_of[integer] = int(place * n_buckets)
     buckets = np.array([bucket_of[i] for i in integers.ravel()], dtype=int).reshape(integers.shape)
     table = np.zeros(n_buckets, np.float32)
     for bucket in set(bucket_of.values()):

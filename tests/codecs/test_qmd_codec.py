@@ -13,13 +13,14 @@ from qmd_studio.codecs.qmd import payload
 from qmd_studio.codecs.qmd.decode import decode, decode_payload
 from qmd_studio.codecs.qmd.encode import encode, encode_matrix
 from qmd_studio.codecs.qmd.file import describe
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.codecs.qmd.size import payload_size
 from qmd_studio.codecs.qmd.units import codec_matrix
 from qmd_studio.errors import CodecError, FormatError
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.kinematics import point_positions
 from qmd_studio.motion.motion import ASF_UNIT_M, Motion
+from qmd_studio.motion.skeleton import Column, ColumnKind, Joint, Skeleton, SkeletonKind
 from qmd_studio.registry import open_file, save_motion
 from tests.codecs import foreign_decoder
 from tests.codecs.plain_qmd import encode_plainly
@@ -28,7 +29,13 @@ from tests.corpus import corpus_file
 from tests.generated_motion import walker
 
 PAPER, CLOSED = QmdSettings(encoder=Encoder.PAPER), QmdSettings(encoder=Encoder.CLOSED)
-LEVELS = np.array([1, 1, 2, 3, 3, 6])
+LEVELS = (1, 1, 2, 3, 3, 6)
+SIX_COLUMNS = Skeleton(
+    "six", SkeletonKind.BVH, (Joint("root", -1, (0.0, 0.0, 0.0)),), (),
+    tuple(Column(f"c{k}", 0, ColumnKind.OPAQUE, 0, level=level) for k, level in enumerate(LEVELS)), (0,),
+)  # fmt: skip
+BY_COLUMN = (Encoder.PAPER, Encoder.PLAIN)
+"""The encoders that treat each column by itself."""
 
 
 def displacement_error(original, decoded):
@@ -82,16 +89,17 @@ def test_encode_error_of_the_closed_loop_does_not_grow_with_length():
     fdf=st.integers(0, 6),
     bits=st.sampled_from((8, 9, 12)),
     segment=st.sampled_from((0, 1, 7, 30, 64, 200)),
-    encoder=st.sampled_from(Encoder),
+    encoder=st.sampled_from(BY_COLUMN),
+    buckets=st.sampled_from(Buckets),
     k=st.sampled_from((0.0, 1.0, 2.5, math.inf)),
     spread=st.sampled_from((0.0, 1e-5, 0.01, 3.0, 1e6)),
 )
-def test_encode_gives_the_bytes_of_the_plain_twin(seed, n_frames, fdf, bits, segment, encoder, k, spread):
+def test_encode_gives_the_bytes_of_the_plain_twin(seed, n_frames, fdf, bits, segment, encoder, buckets, k, spread):
     random = np.random.default_rng(seed)
     matrix = np.cumsum(random.standard_cauchy((n_frames, 6)) * spread, axis=0).astype(np.float32)
-    chosen = QmdSettings(fdf, bits, segment, encoder, k).checked(6, n_frames - 1)
-    fast = encode_matrix(matrix, LEVELS, chosen)
-    plain, decoded = encode_plainly(matrix, LEVELS, chosen)
+    chosen = QmdSettings(fdf, bits, segment, encoder, k, buckets=buckets).checked(6, n_frames - 1)
+    fast = encode_matrix(matrix, SIX_COLUMNS, chosen)
+    plain, decoded = encode_plainly(matrix, np.array(LEVELS), chosen)
     packed = payload.pack(fast.payload)
     assert packed == payload.pack(plain)
     assert len(packed) == payload_size(n_frames - 1, 6, fdf, bits, chosen.segment).bytes
@@ -113,7 +121,7 @@ def test_decode_by_a_stranger_s_decoder_gives_the_same_motion(encoder, fdf, bits
     assert encoded.size.bytes + 64 + encoded.skeleton_bytes == len(encoded.data)
 
 
-@pytest.mark.parametrize("encoder", Encoder)
+@pytest.mark.parametrize("encoder", BY_COLUMN)
 @pytest.mark.parametrize("n_frames", [40, 1500], ids=["a short motion", "one long enough for compiled code"])
 def test_decode_gives_the_rows_of_the_plain_twin(encoder, n_frames):
     motion = walker(n_frames)
@@ -199,6 +207,8 @@ def test_encode_keeps_the_mask_of_body_animation_parameters():
         ({"rqt": 0}, "RQT"),
         ({"k": -0.5}, "k is"),
         ({"k": math.nan}, "k is"),
+        ({"max_error_mm": 0.0}, "bound"),
+        ({"max_error_mm": math.inf}, "bound"),
     ],
 )
 def test_encode_with_settings_out_of_range_says_which(wrong, said):
@@ -230,9 +240,20 @@ def test_describe_says_what_the_file_was_made_with():
     said = describe(encode(short_walk(), QmdSettings(3, 10, 15, Encoder.PAPER, 2.0, 5000)).data)
     wanted = {"frames": 40, "dofs": 62, "fdf": 3, "bits": 10, "segment": 15, "segments": 3, "encoder": "paper"}
     assert {key: said[key] for key in wanted} == wanted
-    assert (said["k"], said["rqt"], said["fps"]) == (2.0, 5000, 120.0)
+    assert (said["k"], said["rqt"], said["fps"], said["buckets"]) == (2.0, 5000, 120.0, "frequency")
+    assert said["max_error_mm"] == math.inf
     assert said["payload_bytes"] == payload_size(39, 62, 3, 10, 15).bytes
     assert said["bytes"] == 64 + said["payload_bytes"] + said["skeleton_bytes"]
+
+
+@pytest.mark.parametrize("encoder", Encoder)
+@pytest.mark.parametrize("buckets", Buckets)
+def test_describe_names_the_encoder_and_its_buckets(encoder, buckets):
+    said = describe(encode(short_walk(), QmdSettings(encoder=encoder, buckets=buckets, max_error_mm=2.5)).data)
+    assert said["encoder"] == encoder
+    assert said["buckets"] == (buckets if encoder is Encoder.PAPER else "frequency")
+    assert said["max_error_mm"] == (2.5 if encoder is Encoder.BOUNDED else math.inf)
+    assert said["k"] == math.inf
 
 
 def test_open_file_of_a_saved_motion_plays_it(tmp_path):

@@ -14,16 +14,16 @@ from tests.codecs.tiny_motions import pendulum, pendulum_skeleton
 
 GOLDEN = Path(__file__).with_name("golden")
 SHOWN = {
-    "closed_loop_fdf_1_b_8_one_segment": (pendulum(6), QmdSettings(fdf=1), True),
+    "closed_loop_fdf_1_b_8_one_segment": (pendulum(6), QmdSettings(fdf=1, encoder=Encoder.PLAIN), True),
     "paper_fdf_0_b_8_three_segments_the_last_short": (
         pendulum(6),
         QmdSettings(fdf=0, segment=2, encoder=Encoder.PAPER),
         True,
     ),
-    "two_byte_indices_b_9": (pendulum(6), QmdSettings(fdf=2, bits=9), True),
-    "all_columns_fixed": (pendulum(6), QmdSettings(fdf=3), True),
-    "one_frame": (pendulum(1), QmdSettings(fdf=1), True),
-    "no_skeleton_block": (pendulum(6), QmdSettings(fdf=1), False),
+    "two_byte_indices_b_9": (pendulum(6), QmdSettings(fdf=2, bits=9, encoder=Encoder.PLAIN), True),
+    "all_columns_fixed": (pendulum(6), QmdSettings(fdf=3, encoder=Encoder.PLAIN), True),
+    "one_frame": (pendulum(1), QmdSettings(fdf=1, encoder=Encoder.PLAIN), True),
+    "no_skeleton_block": (pendulum(6), QmdSettings(fdf=1, encoder=Encoder.PLAIN), False),
 }
 
 

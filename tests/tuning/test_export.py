@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.errors import StorageError
 from qmd_studio.tuning.export import export_numbered, export_over, suggested_name
 
@@ -17,6 +17,8 @@ def test_the_papers_encoder_is_named_with_what_is_not_its_default():
     assert suggested_name("a", paper, 9) == "a__fdf6_b8_nd9_paper.qmd"
     paper = QmdSettings(encoder=Encoder.PAPER, k=2.0, rqt=500)
     assert suggested_name("a", paper, 9) == "a__fdf6_b8_nd9_paper_k2_rqt500.qmd"
+    paper = QmdSettings(encoder=Encoder.PAPER, buckets=Buckets.WIDTH)
+    assert suggested_name("a", paper, 9) == "a__fdf6_b8_nd9_paper_width.qmd"
     assert "k" not in suggested_name("a", QmdSettings(k=math.inf), 9)
 
 
@@ -25,7 +27,14 @@ def test_a_name_that_no_file_can_have_becomes_one(stem, start):
     assert suggested_name(stem, QmdSettings(), 9).startswith(start)
 
 
-@pytest.mark.parametrize("stem", ["walk__fdf11_b9_nd90", "walk__fdf6_b8_nd9_paper_k2_rqt500-3"])
+def test_the_other_encoders_are_named_and_a_bounded_file_after_its_bound():
+    assert suggested_name("a", QmdSettings(encoder=Encoder.PLAIN), 9) == "a__fdf6_b8_nd9_plain.qmd"
+    assert suggested_name("a", QmdSettings(encoder=Encoder.BOUNDED, max_error_mm=0.5), 9) == "a__within0.5mm.qmd"
+
+
+@pytest.mark.parametrize(
+    "stem", ["walk__fdf11_b9_nd90", "walk__fdf6_b8_nd9_paper_k2_rqt500-3", "walk__within0.5mm", "walk__within1e-05mm-2"]
+)
 def test_a_file_that_is_exported_again_names_its_settings_once(stem):
     assert suggested_name(stem, QmdSettings(), 342) == "walk__fdf6_b8_nd342.qmd"
 

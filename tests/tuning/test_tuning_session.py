@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from qmd_studio.codecs.qmd.decode import decode
+from qmd_studio.codecs.qmd.encode import encode
 from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import CodecError
@@ -30,6 +31,7 @@ SETTINGS = [
     QmdSettings(),
     QmdSettings(encoder=Encoder.PAPER),
     QmdSettings(fdf=0, bits=9, segment=40),
+    QmdSettings(encoder=Encoder.PLAIN),
     QmdSettings(fdf=26, bits=10, segment=30, encoder=Encoder.PAPER, k=1.0),
 ]
 
@@ -75,6 +77,35 @@ def test_evaluate_far_from_the_origin_is_as_exact_as_near_it():
     X[:, 0] += 2000.0
     motion = near.with_values(X)
     assert_true_of_its_bytes(motion, TuningSession(motion).evaluate(QmdSettings()))
+
+
+def test_evaluate_of_a_draft_is_true_of_its_own_bytes_and_of_the_same_size():
+    motion = walker(200)
+    session = TuningSession(motion)
+    draft, exact = session.evaluate(QmdSettings(), draft=True), session.evaluate(QmdSettings())
+    assert (draft.draft, exact.draft) == (True, False)
+    assert draft.size == exact.size
+    assert_true_of_its_bytes(motion, draft)
+    assert exact.error.def_ < draft.error.def_ < 4 * exact.error.def_
+    assert exact.data == encode(motion).data
+
+
+@pytest.mark.parametrize("encoder", [Encoder.PAPER, Encoder.PLAIN])
+def test_evaluate_by_an_encoder_that_is_quick_anyway_makes_no_drafts(encoder):
+    session, settings = TuningSession(walker(60)), QmdSettings(encoder=encoder)
+    draft = session.evaluate(settings, draft=True)
+    assert not draft.draft
+    assert draft.data == session.evaluate(settings).data
+
+
+def test_evaluate_within_a_bound_reports_its_bytes_and_has_no_size_before():
+    motion = walker(80)
+    session, settings = TuningSession(motion), QmdSettings(encoder=Encoder.BOUNDED, max_error_mm=0.4)
+    with pytest.raises(CodecError, match="known only once"):
+        session.size(settings)
+    report = session.evaluate(settings)
+    assert_true_of_its_bytes(motion, report)
+    assert measure(motion, report.decoded).max_mm <= 0.4
 
 
 def test_evaluate_of_one_frame_has_no_velocity():

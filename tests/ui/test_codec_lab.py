@@ -103,6 +103,39 @@ def test_dragging_a_slider_shows_the_size_in_the_same_event_and_the_error_soon(
     assert not open_lab.figures.stale
 
 
+def test_a_held_slider_shows_drafts_and_letting_go_measures_exactly(qtbot, open_lab, document):
+    slider, motion = open_lab.knobs.fdf.slider, document.state.active_clip.motion
+    open_lab.reports.clear()
+    start = handle(slider)
+    QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=start)
+    QTest.mouseMove(slider, handle(slider, 20))
+    settled(qtbot, open_lab)
+    held = document.state.codec
+    assert held.fdf != QmdSettings().fdf
+    assert [(report.settings, report.draft) for report in open_lab.reports] == [(held, True)]
+    assert not open_lab.figures.stale
+    QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=handle(slider, 20))
+    settled(qtbot, open_lab)
+    assert [report.draft for report in open_lab.reports] == [True, False]
+    assert open_lab.report.data == encode(motion, held).data
+    assert open_lab.report.data != open_lab.reports[0].data
+    assert open_lab.report.error.def_ < open_lab.reports[0].error.def_
+
+
+def test_what_is_exported_is_never_a_draft(qtbot, open_lab, document, tmp_path, monkeypatch):
+    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
+    slider = open_lab.knobs.fdf.slider
+    QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=handle(slider))
+    QTest.mouseMove(slider, handle(slider, 25))
+    settled(qtbot, open_lab)
+    open_lab.export()
+    assert list(tmp_path.iterdir()) == []
+    QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=handle(slider, 25))
+    qtbot.waitUntil(lambda: any(tmp_path.iterdir()), timeout=30_000)
+    (written,) = tmp_path.iterdir()
+    assert written.read_bytes() == encode(document.state.active_clip.motion, document.state.codec).data
+
+
 @pytest.mark.parametrize("knob", ["fdf", "bits", "segment"])
 def test_a_drag_is_one_step_of_undo_and_undo_brings_the_slider_back(open_lab, document, knob):
     slider, spin = getattr(open_lab.knobs, knob).slider, getattr(open_lab.knobs, knob).spin

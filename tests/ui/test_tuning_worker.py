@@ -36,11 +36,11 @@ class Gate:
         self.begun, self.entered, self.opened = [], threading.Event(), threading.Event()
         evaluate = session_module.TuningSession.evaluate
 
-        def held(session, settings):
+        def held(session, settings, **how):
             self.begun.append(settings)
             self.entered.set()
             assert self.opened.wait(30)
-            return evaluate(session, settings)
+            return evaluate(session, settings, **how)
 
         monkeypatch.setattr(session_module.TuningSession, "evaluate", held)
 
@@ -110,6 +110,17 @@ def test_what_was_measured_a_moment_ago_comes_at_once(qtbot, worker, motion):
     assert [s.fdf for s in worker.outcomes] == [1, 2, 1]
 
 
+def test_a_draft_is_not_remembered_and_an_exact_report_serves_for_it(qtbot, worker, motion):
+    reports = []
+    worker.measured.connect(reports.append)
+    for draft in (True, False):
+        worker.request(motion, QmdSettings(), draft=draft)
+        settled(qtbot, worker)
+    worker.request(motion, QmdSettings(), draft=True)
+    assert not worker.pending
+    assert [report.draft for report in reports] == [True, False, False]
+
+
 def test_another_motion_is_measured_for_itself(qtbot, worker, motion):
     reports = []
     worker.measured.connect(reports.append)
@@ -132,7 +143,7 @@ def test_a_mistake_of_the_studio_leaves_nobody_waiting(qtbot, worker, motion, mo
     seen = []
     monkeypatch.setattr(sys, "excepthook", lambda *what: seen.append(what[0]))
 
-    def broken(session, settings):
+    def broken(session, settings, **how):
         raise ZeroDivisionError
 
     monkeypatch.setattr(session_module.TuningSession, "evaluate", broken)

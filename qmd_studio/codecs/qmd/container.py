@@ -10,7 +10,7 @@ import zlib
 from dataclasses import dataclass
 
 from qmd_studio import __version__
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.motion import check_frame_rate
 
@@ -20,20 +20,24 @@ HEADER = struct.Struct("<4sHHIQIdB3xfII16s")
 """Magic, version, header bytes, checksum, payload bytes, skeleton bytes, fps, encoder, k, RQT, n_d, software."""
 
 _CHECKSUM_AT, _CHECKSUM_END = 8, 12
-_ENCODER_CODES = {Encoder.PAPER: 1, Encoder.CLOSED: 2}
-_ENCODER_NAMES = {code: str(encoder) for encoder, code in _ENCODER_CODES.items()}
+_ENCODER_CODES = {Encoder.PAPER: 1, Encoder.PLAIN: 2, Encoder.CLOSED: 3, Encoder.BOUNDED: 4}
+_EQUAL_WIDTH_CODE = 5
+_ENCODER_NAMES = {code: str(encoder) for encoder, code in _ENCODER_CODES.items()} | {_EQUAL_WIDTH_CODE: "paper"}
 
 
 @dataclass(frozen=True, slots=True)
 class Container:
     """A file taken apart, its checksum proven: what stands around the payload, and views of the two parts.
 
-    `encoder`, `k`, `rqt`, `segment` and `software` are provenance; nothing in them is needed to decode.
+    All but `fps` and the parts is provenance; nothing in it is needed to decode. `max_error_mm` is what the bounded
+    encoder was held to, infinite for the others.
     """
 
     fps: float
     encoder: str
+    buckets: Buckets
     k: float
+    max_error_mm: float
     rqt: int
     segment: int
     software: str
@@ -48,6 +52,7 @@ def looks_like_qmd(head: bytes) -> bool:
 
 def build(payload: bytes, skeleton_block: bytes, fps: float, settings: QmdSettings) -> bytes:
     """Return the whole file for a payload and a skeleton block (empty: none)."""
+    bounded = settings.encoder is Encoder.BOUNDED
     header = bytearray(
         HEADER.pack(
             MAGIC,
@@ -57,10 +62,10 @@ def build(payload: bytes, skeleton_block: bytes, fps: float, settings: QmdSettin
             len(payload),
             len(skeleton_block),
             fps,
-            _ENCODER_CODES[settings.encoder],
-            settings.k,
+            _encoder_code(settings),
+            settings.max_error_mm if bounded else settings.k,
             settings.rqt,
-            settings.segment,
+            0 if bounded else settings.segment,
             f"qmd-studio {__version__}".encode()[:16],
         )
     )
@@ -106,17 +111,26 @@ def parse(data: bytes) -> Container:
             hint=_INCOMPLETE,
         )
     check_frame_rate(fps, at="byte 24")
-    code, k, rqt, segment, software = provenance
+    code, parameter, rqt, segment, software = provenance
+    bounded = code == _ENCODER_CODES[Encoder.BOUNDED]
     return Container(
         fps=fps,
         encoder=_ENCODER_NAMES.get(code, "other"),
-        k=k,
+        buckets=Buckets.WIDTH if code == _EQUAL_WIDTH_CODE else Buckets.FREQUENCY,
+        k=math.inf if bounded else parameter,
+        max_error_mm=parameter if bounded else math.inf,
         rqt=rqt,
         segment=segment,
         software=software.rstrip(b"\0").decode("ascii", "replace"),
         payload=view[HEADER.size : HEADER.size + payload_bytes],
         skeleton_block=view[HEADER.size + payload_bytes :],
     )
+
+
+def _encoder_code(settings: QmdSettings) -> int:
+    if settings.encoder is Encoder.PAPER and settings.buckets is Buckets.WIDTH:
+        return _EQUAL_WIDTH_CODE
+    return _ENCODER_CODES[settings.encoder]
 
 
 _INCOMPLETE = "Fetch or copy the file again"

@@ -28,8 +28,9 @@ def write(motion: Motion) -> bytes:
 def describe(data: bytes) -> dict[str, Any]:
     """Return what a QMD file says of itself, without decoding the motion.
 
-    Keys: frames, dofs, fps, fdf, bits, segment (rows of d in the first segment), segments, encoder ("closed", "paper"
-    or "other"), k, rqt, software, payload_bytes, skeleton_bytes, bytes. Raises `FormatError` for a damaged file.
+    Keys: frames, dofs, fps, fdf, bits, segment (rows of d in the first segment), segments, encoder (a name of
+    `Encoder`, or "other"), buckets, k, rqt, max_error_mm (infinite but for the bounded encoder), software,
+    payload_bytes, skeleton_bytes, bytes. Raises `FormatError` for a damaged file.
     """
     parts = container.parse(data)
     contents = unpack(parts.payload)
@@ -43,8 +44,10 @@ def describe(data: bytes) -> dict[str, Any]:
         "segment": first.n_rows,
         "segments": len(contents.segments),
         "encoder": parts.encoder,
+        "buckets": str(parts.buckets),
         "k": parts.k,
         "rqt": parts.rqt,
+        "max_error_mm": parts.max_error_mm,
         "software": parts.software,
         "payload_bytes": len(parts.payload),
         "skeleton_bytes": len(parts.skeleton_block),

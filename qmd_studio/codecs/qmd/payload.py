@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd.settings import MAX_BITS, MIN_BITS, index_bytes
-from qmd_studio.codecs.qmd.size import SEGMENT_HEADER_BYTES
+from qmd_studio.codecs.qmd.size import SEGMENT_HEADER_BYTES, SizeBreakdown
 from qmd_studio.errors import FormatError
 
 IndexArray: TypeAlias = NDArray[np.unsignedinteger[Any]]
@@ -57,6 +57,16 @@ class Payload:
     def n_rows(self) -> int:
         """The differences in all segments: one fewer than the frames."""
         return sum(segment.n_rows for segment in self.segments)
+
+    @property
+    def size(self) -> SizeBreakdown:
+        """The bytes that `pack` gives, part by part."""
+        header = len(self.segments) * SEGMENT_HEADER_BYTES
+        table = sum(segment.table.nbytes for segment in self.segments)
+        exact = sum(segment.exact.nbytes for segment in self.segments)
+        index = sum(segment.indices.nbytes for segment in self.segments)
+        total = header + table + exact + index + self.pose.nbytes
+        return SizeBreakdown(total, header, table, exact, index, self.pose.nbytes)
 
 
 def index_type(bits: int) -> np.dtype[np.unsignedinteger[Any]]:

@@ -18,12 +18,26 @@ _LARGEST_K = 1000.0
 
 
 class Encoder(StrEnum):
-    """How the indices are chosen. Every decoder plays the files of either."""
+    """How the indices are chosen. Every decoder plays the files of any."""
 
     PAPER = "paper"
     """The paper's own: each index from the original difference, so that errors add up along the motion."""
     CLOSED = "closed"
-    """Each index from what the decoder still lacks, so that errors do not add up."""
+    """From what the decoder still lacks, so that errors do not add up, and the indices of a frame together, by what
+    they do to the joints."""
+    PLAIN = "plain"
+    """The closed loop without kinematics: each index by itself from what the decoder still lacks."""
+    BOUNDED = "bounded"
+    """As CLOSED, with FDF, b and segments sought so that no joint is ever further off than a given distance."""
+
+
+class Buckets(StrEnum):
+    """How the paper's encoder parts the differences into the buckets of its table."""
+
+    FREQUENCY = "frequency"
+    """Each bucket takes an equal share of the values: what the paper's figures were made with."""
+    WIDTH = "width"
+    """Each bucket takes an equal share of the range: the paper's other rule, for comparison."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +46,9 @@ class QmdSettings:
 
     `fdf` is the paper's FDF, the number of leading columns kept as float32 (default 6: the root). `bits` is b, the
     width of an index (default 8; table of 2^b entries). `segment` is n_d, the rows of d in a segment (0: one segment).
-    `k` and `rqt` matter to the paper's encoder only: entries are weighted by 1/level^k (default infinite: the lowest
-    level in the bucket alone counts), and values are sorted into buckets as round(value * rqt), the paper's M.
+    `k`, `rqt` and `buckets` matter to the paper's encoder only: entries are weighted by 1/level^k (default infinite:
+    the lowest level in the bucket alone counts), and values are sorted into buckets as round(value * rqt), the paper's
+    M. `max_error_mm` matters to the bounded encoder only, which finds `fdf`, `bits` and segments by itself.
     """
 
     fdf: int = 6
@@ -42,21 +57,28 @@ class QmdSettings:
     encoder: Encoder = Encoder.CLOSED
     k: float = math.inf
     rqt: int = 10_000
+    buckets: Buckets = Buckets.FREQUENCY
+    max_error_mm: float = 1.0
 
     def checked(self, n_columns: int, n_rows: int) -> QmdSettings:
         """Return these settings for a motion of `n_columns` and `n_rows` differences.
 
-        A segment longer than the motion becomes one segment (0). Raises `CodecError` for anything out of range.
+        A segment longer than the motion becomes one segment (0). FDF, b and n_d of the bounded encoder, which finds its
+        own, become their least. Raises `CodecError` for anything out of range.
         """
+        if self.encoder is Encoder.BOUNDED and (self.fdf, self.bits, self.segment) != (0, MIN_BITS, 0):
+            return replace(self, fdf=0, bits=MIN_BITS, segment=0).checked(n_columns, n_rows)
         _check_range("FDF", self.fdf, 0, n_columns)
         _check_range("b", self.bits, MIN_BITS, MAX_BITS)
         _check_range("n_d", self.segment, 0, _MAX_U32)
         _check_range("RQT", self.rqt, 1, _MAX_U32)
         if math.isnan(self.k) or self.k < 0:
             raise CodecError("k is out of range", wanted="0 or more, or infinite", got=str(self.k))
+        if not (math.isfinite(self.max_error_mm) and self.max_error_mm > 0):
+            raise CodecError("the bound is not a distance", wanted="millimetres above 0", got=str(self.max_error_mm))
         segment = 0 if self.segment >= n_rows else self.segment
         k = math.inf if self.k > _LARGEST_K else self.k
-        return replace(self, segment=segment, encoder=Encoder(self.encoder), k=k)
+        return replace(self, segment=segment, encoder=Encoder(self.encoder), k=k, buckets=Buckets(self.buckets))
 
     def fitted(self, n_columns: int) -> QmdSettings:
         """Return these settings with FDF lowered where the motion has fewer columns than that."""

@@ -39,6 +39,20 @@ def equal_frequency_buckets(differences: Float32Array, *, bits: int, rqt: int) -
     return found
 
 
+def equal_width_buckets(differences: Float32Array, *, bits: int, rqt: int) -> IntArray:
+    """Return the bucket 0 to 2^bits - 1 of each difference, in the shape given: equal shares of the range.
+
+    As in `equal_frequency_buckets` the values count as round(difference * rqt).
+    """
+    if not differences.size:
+        return np.zeros(differences.shape, dtype=np.int64)
+    integers = np.rint(differences.astype(np.float64) * rqt)
+    lowest = integers.min()
+    width = integers.max() - lowest + 1.0  # the highest value lies inside the last bucket
+    found: IntArray = np.minimum((integers - lowest) * 2.0**bits // width, 2**bits - 1).astype(np.int64)
+    return found
+
+
 def averaged_table(
     differences: Float32Array, buckets: IntArray, *, levels: IntArray, bits: int, k: float
 ) -> Float32Array:
@@ -66,11 +80,13 @@ def _relative_weights(k: float) -> FloatArray:
     return ratio**k  # as a ratio it cannot vanish for all of a bucket, however large k is
 
 
-def companded_table(differences: Float32Array, *, bits: int) -> Float32Array:
-    """Return 2^bits ascending levels, dense where differences are common: density as the root of their own.
+def companded_table(
+    differences: Float32Array, *, bits: int, power: float = 0.5, uniform_share: float = UNIFORM_SHARE
+) -> Float32Array:
+    """Return 2^bits ascending levels, dense where differences are common: density as a power of their own.
 
-    That spacing keeps the closed loop's error lowest in the mean (a cube root would do so for the largest error). The
-    first and last level reach to the ends of the range. Equal differences give equal levels.
+    The root keeps the closed loop's error lowest in the mean; lower powers, down to a third, serve the largest error.
+    The first and last level reach to the ends of the range. Equal differences give equal levels.
     """
     n_levels = 2**bits
     ordered = np.sort(differences, axis=None)
@@ -78,12 +94,31 @@ def companded_table(differences: Float32Array, *, bits: int) -> Float32Array:
         return np.full(n_levels, ordered[0] if ordered.size else 0.0, dtype=np.float32)
     edges, shares = _intervals(ordered, n_levels)
     widths = np.diff(edges)
-    roots = np.sqrt(shares * widths)  # (share / width)^(1/2) * width
-    rises = (1.0 - UNIFORM_SHARE) * roots / np.add.accumulate(roots)[-1]
-    rises += UNIFORM_SHARE * widths / (edges[-1] - edges[0])
+    roots = np.sqrt(shares * widths) if power == 0.5 else shares**power * widths ** (1.0 - power)
+    rises = (1.0 - uniform_share) * roots / np.add.accumulate(roots)[-1]
+    rises += uniform_share * widths / (edges[-1] - edges[0])
     heights = np.concatenate([[0.0], np.add.accumulate(rises)])
     at = np.arange(n_levels) * (heights[-1] / (n_levels - 1))
     levels: FloatArray = np.interp(at, heights, edges)
+    return levels.astype(np.float32)
+
+
+def refined_table(table: Float32Array, values: Float32Array, weights: FloatArray) -> Float32Array:
+    """Return ascending levels at the weighted means of the values nearest to each of `table`'s (Lloyd's method, twice).
+
+    `values` and `weights` have one shape. A level that no weight falls to stays where it is.
+    """
+    order = np.argsort(values, axis=None)
+    ordered = values.ravel()[order].astype(np.float64)
+    weight = weights.ravel()[order]
+    total = np.concatenate([[0.0], np.cumsum(weight)])
+    moment = np.concatenate([[0.0], np.cumsum(weight * ordered)])
+    levels = table.astype(np.float64)
+    for _ in range(2):
+        inner = np.searchsorted(ordered, (levels[1:] + levels[:-1]) / 2)
+        ends = np.concatenate([[0], inner, [len(ordered)]])
+        share = np.diff(total[ends])
+        levels = np.sort(np.divide(np.diff(moment[ends]), share, out=levels.copy(), where=share > 0))
     return levels.astype(np.float32)
 
 
