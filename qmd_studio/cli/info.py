@@ -9,6 +9,7 @@ from qmd_studio import registry, storage
 from qmd_studio.cli.load import open_any
 from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.codecs.qmd.file import describe
+from qmd_studio.codecs.qmd.settings import Encoder
 from qmd_studio.formats.loaded import Loaded
 
 
@@ -60,8 +61,9 @@ def _about_encoding(data: bytes) -> tuple[dict[str, Value], list[tuple[str, str]
         "bytes": facts["bytes"],
     }
     split = f"{segments} segments of {facts['segment']} rows" if segments > 1 else "one segment"
+    bound = f" within {facts['max_error_mm']:g} mm" if facts["encoder"] == Encoder.BOUNDED else ""
     lines = [
-        ("encoding", f"{facts['encoder']} encoder, FDF {facts['fdf']}, {facts['bits']} bits, {split}"),
+        ("encoding", f"{facts['encoder']} encoder{bound}, FDF {facts['fdf']}, {facts['bits']} bits, {split}"),
         ("payload", in_bytes(facts["payload_bytes"])),
         ("file", in_bytes(facts["bytes"])),
     ]

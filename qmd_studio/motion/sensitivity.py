@@ -170,11 +170,12 @@ def _pose(body: Body, row: _Values, workspace: Workspace) -> None:
                 twist[column, 3 + a] = sign * (rotation[p, a, axis] if p >= 0 else np.float64(a == axis))
         _place(body.orientation[j], local, p, j, rotation, place)
         if j == 0:
-            origin[:] = place[0]
+            for a in range(3):
+                origin[a] = place[0, a]
         if p < 0:
             for a in range(3):
                 place[j, a] -= origin[a]  # far from the world's origin the moments would drown in rounding
-        x, y, z = place[j]
+        x, y, z = place[j, 0], place[j, 1], place[j, 2]
         for k in range(body.turn_start[j], body.turn_start[j + 1]):
             axis, sign, column = body.turn_axis[k], body.turn_sign[k], body.turn_column[k]
             u, v = (axis + 1) % 3, (axis + 2) % 3
@@ -215,7 +216,7 @@ def _gather(body: Body, workspace: Workspace) -> None:
             _add_point(moments[j], place[j], body.weight[j])
     for k in range(len(body.site_joint)):
         j = body.site_joint[k]
-        x, y, z = body.site_offset[k]
+        x, y, z = body.site_offset[k, 0], body.site_offset[k, 1], body.site_offset[k, 2]
         for a in range(3):
             far[a] = place[j, a] + rotation[j, a, 0] * x + rotation[j, a, 1] * y + rotation[j, a, 2] * z
         _add_point(moments[j], far, 1.0)

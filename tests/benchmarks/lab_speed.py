@@ -37,7 +37,7 @@ def main():
     first, gaps.longest_ms = gaps.longest_ms, 0.0
     latencies = sorted(single_tick(app, lab, document, fdf) for fdf in range(7, 7 + N_TICKS // 4))
     drag(app, lab)
-    row("a slider's tick to DEF on the screen, 2,251 × 62", statistics.median(latencies), "")
+    row("a slider's tick to DEF on the screen, 2,251 × 62", statistics.median(latencies), "at most 50 ms")
     row("longest deafness of the window, slider dragged at 60 Hz", gaps.longest_ms, "at most 100 ms")
     row("longest deafness of the window, clip opened", first, "at most 100 ms")
     lab.close_down()
@@ -60,20 +60,27 @@ class Gaps:
 
 def single_tick(app, lab, document, fdf):
     """Move the FDF slider and return the milliseconds until the figures of that setting are painted."""
+    slider = lab.knobs.fdf.slider
+    slider.setSliderDown(True)
     start = time.perf_counter()
-    lab.knobs.fdf.slider.setValue(fdf)
+    slider.setValue(fdf)
     wait(app, lab)
     lab.figures.repaint()
-    return 1e3 * (time.perf_counter() - start)
+    took = 1e3 * (time.perf_counter() - start)
+    slider.setSliderDown(False)
+    wait(app, lab)
+    return took
 
 
 def drag(app, lab):
     """Draw the FDF slider to and fro as a hand does, a step every display frame."""
+    lab.knobs.fdf.slider.setSliderDown(True)
     for tick in range(N_TICKS):
         lab.knobs.fdf.slider.setValue(abs(tick % 80 - 40))
         until = time.perf_counter() + DRAG_MS / 1e3
         while time.perf_counter() < until:
             app.processEvents()
+    lab.knobs.fdf.slider.setSliderDown(False)
     wait(app, lab)
 
 

@@ -112,6 +112,7 @@ def test_bounded_file_says_what_was_found_and_keeps_its_bound(qmd: Qmd, walk: Pa
     assert (info["encoder"], info["fdf"], info["bits"]) == ("bounded", told["fdf"], told["bits"])
     assert told["bytes"] == info["bytes"] == out.stat().st_size
     assert "FDF" in qmd("encode", walk, out, "--encoder", "bounded", "--max-error-mm", "0.5").out
+    assert "bounded encoder within 0.5 mm" in qmd("info", out).out
 
 
 @pytest.mark.parametrize("options", ["--encoder bounded", "--max-error-mm 1", "--encoder bounded --max-error-mm 0"])

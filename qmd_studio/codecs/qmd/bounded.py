@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from heapq import merge
 
 from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd.bounded_fit import Fit, Fitter, Recipe
@@ -122,16 +123,23 @@ def _below(fitter: Fitter, best: _Found) -> _Found:
 
 def _grid(fitter: Fitter, limit: int) -> Iterator[tuple[int, Recipe, int]]:
     """Yield what the grid offers below `limit` bytes, the smallest first: bytes, recipe, rows of a segment."""
-    n_rows = max(fitter.n_rows, 1)
-    steps = [*range(_GRID_STEP, n_rows, _GRID_STEP), n_rows]
-    offers = [
-        (fitter.size(fdf, bits, -(-n_rows // step)), fdf, bits, -step)
+    lanes = (
+        _lane(fitter, limit, Recipe(fdf, bits))
         for fdf in range(fitter.n_columns + 1)
         for bits in range(MIN_BITS, MAX_BITS + 1)
-        for step in steps
-    ]
-    ordered = sorted(offer for offer in offers if offer[0] < limit)
-    yield from ((n_bytes, Recipe(fdf, bits), -step) for n_bytes, fdf, bits, step in ordered)
+    )
+    for n_bytes, fdf, bits, minus_step in merge(*lanes):
+        yield n_bytes, Recipe(fdf, bits), -minus_step
+
+
+def _lane(fitter: Fitter, limit: int, recipe: Recipe) -> Iterator[tuple[int, int, int, int]]:
+    """Yield bytes, FDF, b and the rows of a segment (less than 0, to be in order) of one recipe, ascending."""
+    n_rows = max(fitter.n_rows, 1)
+    for step in (n_rows, *range((n_rows - 1) // _GRID_STEP * _GRID_STEP, 0, -_GRID_STEP)):
+        n_bytes = fitter.size(recipe.fdf, recipe.bits, -(-n_rows // step))
+        if n_bytes >= limit:
+            return
+        yield n_bytes, recipe.fdf, recipe.bits, -step
 
 
 def _evenly(fitter: Fitter, recipe: Recipe, step: int, *, by_joints: bool) -> tuple[Segment, ...] | None:

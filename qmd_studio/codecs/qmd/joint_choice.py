@@ -125,13 +125,25 @@ def _prepare(desk: Desk, table: Float32Array, fdf: int) -> None:
         level = desk.nearest[j]
         spacing = np.float64(table[min(level + 1, last)]) - np.float64(table[max(level - 1, 0)])
         key[j] = spacing * np.sqrt(max(H[fdf + j, fdf + j], 0.0))
-    order[:fdf] = np.arange(fdf)
-    order[fdf:] = np.argsort(key) + fdf
+    for j in range(fdf):
+        order[j] = j
+    _sort(key, order, fdf)
     for a in range(n):
         from_row = H[order[a]]
         for b in range(a, n):
             U[a, b] = from_row[order[b]] if a < fdf or order[a] <= order[b] else H[order[b], order[a]]
     _factorise(U, fdf, n)
+
+
+@njit(cache=True, nogil=True)
+def _sort(key: FloatArray, order: IntArray, fdf: int) -> None:
+    """Order the indexed columns by ascending key, by insertion: they are few, and nearly in order once sorted."""
+    for a in range(fdf, len(order)):
+        column, b = order[a], a
+        while b > fdf and key[order[b - 1] - fdf] > key[column - fdf]:
+            order[b] = order[b - 1]
+            b -= 1
+        order[b] = column
 
 
 @njit(cache=True, nogil=True)

@@ -35,9 +35,9 @@ class Buckets(StrEnum):
     """How the paper's encoder parts the differences into the buckets of its table."""
 
     FREQUENCY = "frequency"
-    """Each bucket takes an equal share of the values: what the paper's figures were made with."""
+    """Each bucket takes an equal share of the values, as the paper's words have it and its figures bear out."""
     WIDTH = "width"
-    """Each bucket takes an equal share of the range: the paper's other rule, for comparison."""
+    """Each bucket takes an equal share of the range, as the paper's formula for `freq` has it (section 3.1, step 2)."""
 
 
 @dataclass(frozen=True, slots=True)
