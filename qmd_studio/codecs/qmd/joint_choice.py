@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from qmd_studio.arrays import Float32Array, FloatArray, IntArray
 from qmd_studio.codecs.qmd.payload import IndexArray
@@ -28,15 +29,19 @@ _LEAST_PIVOT = 0.1 * STIFFNESS
 """Rounding may leave next to nothing of a pivot, or less, where columns are as good as dependent."""
 
 
+_BLOCK = 64
+"""Rows that are turned into columns at a time."""
+
+
 class Desk(NamedTuple):
     """Memory for one run over M columns, N of them indexed."""
 
     H: FloatArray
     U: FloatArray
     order: IntArray
-    wanted: FloatArray
+    wanted: Float32Array
     error: FloatArray
-    nearest: IntArray
+    nearest: NDArray[np.uint32]
     chosen: IntArray
     key: FloatArray
     sized: FloatArray
@@ -50,9 +55,9 @@ def desk_for(n_columns: int, fdf: int) -> Desk:
         H=np.empty(square),
         U=np.empty(square),
         order=np.arange(n_columns),
-        wanted=np.empty(n_indexed),
+        wanted=np.empty(n_indexed, np.float32),
         error=np.empty(n_columns),
-        nearest=np.empty(n_indexed, np.int64),
+        nearest=np.empty(n_indexed, np.uint32),
         chosen=np.empty(n_indexed, np.int64),
         key=np.empty(n_indexed),
         sized=np.empty(n_columns),
@@ -79,12 +84,12 @@ def closed_loop_by_joints(  # noqa: PLR0913 - compiled code takes no record but 
     """
     n_rows, fdf = exact.shape
     n_indexed = indices.shape[1]
+    block = np.empty((_BLOCK, len(pose)), np.float32)
     for row in range(n_rows):
         target = matrix[row + 1]
         for j in range(n_indexed):
-            lacking = target[fdf + j] - pose[fdf + j]
-            desk.wanted[j] = lacking
-            desk.nearest[j] = _level(middles, lacking)
+            desk.wanted[j] = target[fdf + j] - pose[fdf + j]
+        _find_nearest(desk, middles)
         if row % refresh == 0:
             sensitivity_at(body, matrix[min(row + refresh // 2, n_rows - 1) + 1], workspace, desk.H)
             _prepare(desk, table, fdf)
@@ -97,18 +102,37 @@ def closed_loop_by_joints(  # noqa: PLR0913 - compiled code takes no record but 
             index = desk.chosen[j]
             indices[row, j] = index
             pose[fdf + j] += table[index]
-        decoded[:, row] = pose
+        at = row % _BLOCK
+        block[at] = pose
+        if at == _BLOCK - 1 or row == n_rows - 1:
+            for j in range(len(pose)):
+                for back in range(at + 1):
+                    decoded[j, row - at + back] = block[back, j]
+
+
+@njit(cache=True, nogil=True)
+def _find_nearest(desk: Desk, middles: Float32Array) -> None:
+    """Find the level nearest to what each indexed column wants; all take a step of the search at once."""
+    nearest, wanted = desk.nearest, desk.wanted
+    for j in range(len(nearest)):
+        nearest[j] = 0
+    half = np.uint32(len(middles) // 2)
+    while half > 0:
+        for j in range(len(nearest)):
+            high = np.uint32(nearest[j] + half)
+            nearest[j] = high if middles[np.uint64(high) - np.uint64(1)] < wanted[j] else nearest[j]
+        half = np.uint32(half >> np.uint32(1))
 
 
 @njit(cache=True, nogil=True)
 def _level(middles: Float32Array, value: np.float32) -> int:
     """Return the number of middles below `value`: the nearest level. The number of levels is a power of two."""
-    low, half = 0, len(middles) // 2
+    low, half = np.uint64(0), np.uint64(len(middles) // 2)
     while half > 0:
-        if middles[low + half - 1] < value:
-            low += half
-        half //= 2
-    return low
+        high = low + half
+        low = high if middles[high - np.uint64(1)] < value else low
+        half >>= np.uint64(1)
+    return int(np.int64(low))
 
 
 @njit(cache=True, nogil=True)
@@ -122,7 +146,7 @@ def _prepare(desk: Desk, table: Float32Array, fdf: int) -> None:
     for j in range(fdf, n):
         _take_off(H, j, 0, fdf)
     for j in range(n_indexed):
-        level = desk.nearest[j]
+        level = int(np.int64(desk.nearest[j]))
         spacing = np.float64(table[min(level + 1, last)]) - np.float64(table[max(level - 1, 0)])
         key[j] = spacing * np.sqrt(max(H[fdf + j, fdf + j], 0.0))
     for j in range(fdf):
@@ -188,15 +212,16 @@ def _choose(desk: Desk, table: Float32Array, middles: Float32Array, fdf: int) ->
     for a in range(n - 1, fdf - 1, -1):
         asked = _dot(U[a], sized, a + 1) / U[a, a]
         j = order[a] - fdf
-        level = _level(middles, np.float32(desk.wanted[j] - asked))
+        wanted = np.float64(desk.wanted[j])
+        level = _level(middles, np.float32(wanted - asked))
         chosen[j] = level
-        sized[a] = table[level] - desk.wanted[j]
+        sized[a] = table[level] - wanted
         cost += (U[a, a] * (sized[a] + asked)) ** 2
     if not cost <= _cost_of_nearest(desk, table, fdf):
         for a in range(fdf, n):
             j = order[a] - fdf
             chosen[j] = desk.nearest[j]
-            sized[a] = table[chosen[j]] - desk.wanted[j]
+            sized[a] = np.float64(table[chosen[j]]) - desk.wanted[j]
     for a in range(fdf - 1, -1, -1):
         moved = -_dot(U[a], sized, a + 1) / U[a, a]
         sized[a] = error[a] = moved if np.isfinite(moved) else 0.0
@@ -208,7 +233,7 @@ def _cost_of_nearest(desk: Desk, table: Float32Array, fdf: int) -> float:
     n = len(U)
     for a in range(fdf, n):
         j = order[a] - fdf
-        error[a] = table[desk.nearest[j]] - desk.wanted[j]
+        error[a] = np.float64(table[desk.nearest[j]]) - desk.wanted[j]
     cost = 0.0
     for a in range(fdf, n):
         cost += _dot(U[a], error, a) ** 2
