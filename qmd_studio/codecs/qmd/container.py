@@ -5,6 +5,7 @@ The layout is written out byte by byte in resources/help/qmd-format.md; the numb
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from dataclasses import dataclass
