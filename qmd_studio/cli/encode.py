@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from qmd_studio import storage
+from qmd_studio.cli.encode_compact import run as run_compact
 from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.measure import error_lines
 from qmd_studio.cli.parser import UsageError
@@ -23,6 +24,10 @@ def run(arguments: Namespace) -> Report:
     """Encode IN into OUT.qmd and report size and error of those very bytes. Raises `FormatError`, `CodecError`."""
     if Path(arguments.output).suffix.lower() != ".qmd":
         raise UsageError("encode writes QMD only", wanted="a name that ends in .qmd", got=arguments.output)
+    if arguments.profile == "compact":
+        return run_compact(arguments)
+    if arguments.mean_error_mm is not None:
+        raise UsageError("only the compact profile is made for a mean error", wanted="--profile compact")
     opened = open_motion(arguments.input, skeleton=arguments.skeleton)
     frames, dofs = opened.motion.X.shape
     settings = _settings(arguments, dofs)

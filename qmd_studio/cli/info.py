@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from qmd_studio import registry, storage
 from qmd_studio.cli.load import open_any
@@ -50,21 +51,36 @@ def _about_motion(loaded: Loaded) -> tuple[dict[str, Value], list[tuple[str, str
 
 def _about_encoding(data: bytes) -> tuple[dict[str, Value], list[tuple[str, str]]]:
     facts = describe(data)
+    values, encoding = _about_compact(facts) if facts["profile"] == "compact" else _about_paper(facts)
+    values |= {
+        "profile": facts["profile"],
+        "segments": facts["segments"],
+        "encoder": facts["encoder"],
+        "payload_bytes": facts["payload_bytes"],
+        "bytes": facts["bytes"],
+    }
+    lines = [
+        ("encoding", encoding),
+        ("payload", in_bytes(facts["payload_bytes"])),
+        ("file", in_bytes(facts["bytes"])),
+    ]
+    return values, lines
+
+
+def _about_paper(facts: dict[str, Any]) -> tuple[dict[str, Value], str]:
     segments = facts["segments"]
     values: dict[str, Value] = {
         "fdf": facts["fdf"],
         "bits": facts["bits"],
         "segment": facts["segment"] if segments > 1 else 0,  # as `--segment` takes it: 0 is one for all
-        "segments": segments,
-        "encoder": facts["encoder"],
-        "payload_bytes": facts["payload_bytes"],
-        "bytes": facts["bytes"],
     }
     split = f"{segments} segments of {facts['segment']} rows" if segments > 1 else "one segment"
     bound = f" within {facts['max_error_mm']:g} mm" if facts["encoder"] == Encoder.BOUNDED else ""
-    lines = [
-        ("encoding", f"{facts['encoder']} encoder{bound}, FDF {facts['fdf']}, {facts['bits']} bits, {split}"),
-        ("payload", in_bytes(facts["payload_bytes"])),
-        ("file", in_bytes(facts["bytes"])),
-    ]
-    return values, lines
+    return values, f"{facts['encoder']} encoder{bound}, FDF {facts['fdf']}, {facts['bits']} bits, {split}"
+
+
+def _about_compact(facts: dict[str, Any]) -> tuple[dict[str, Value], str]:
+    split = f"{facts['segments']} segments of {facts['segment']} frames" if facts["segments"] > 1 else "one segment"
+    bits = 8 * facts["payload_bytes"] / facts["frames"]
+    told = f"compact profile, a key pose every {facts['block']} frames, {split}, {bits:.0f} bits a frame"
+    return {"segment": facts["segment"], "block": facts["block"]}, told

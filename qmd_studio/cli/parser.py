@@ -103,11 +103,25 @@ def _add_encode(verbs: Any) -> None:
     parser.add_argument(
         "--encoder", choices=("closed", "plain", "paper", "bounded"), default="closed", help=_ENCODER_HELP
     )
-    parser.add_argument("--max-error-mm", metavar="E", type=_distance, help="bounded: no joint further off than this")
+    parser.add_argument(
+        "--max-error-mm",
+        metavar="E",
+        type=_distance("--max-error-mm"),
+        help="bounded and compact: no joint further off than this",
+    )
     parser.add_argument("--k", metavar="K", type=_weight, default=math.inf, help="paper: table weights 1/l^K (inf)")
     _add_whole(parser, "--rqt", "M", low=1, default=10000, help="paper: values are rounded to 1/M")
     parser.add_argument(
         "--buckets", choices=("frequency", "width"), default="frequency", help="paper: buckets of equal share or width"
+    )
+    parser.add_argument(
+        "--profile",
+        choices=("paper", "compact"),
+        default="paper",
+        help="paper: version 1, which any QMD decoder plays; compact: version 2, several times smaller",
+    )
+    parser.add_argument(
+        "--mean-error-mm", metavar="E", type=_distance("--mean-error-mm"), help="compact: the mean joint error (0.5)"
     )
 
 
@@ -168,8 +182,9 @@ def _weight(text: str) -> float:
     return _number("--k", "a number from 0 up, or inf", text, lambda value: value >= 0)
 
 
-def _distance(text: str) -> float:
-    return _number("--max-error-mm", "millimetres above 0", text, lambda value: 0 < value < math.inf)
+def _distance(option: str) -> Callable[[str], float]:
+    """Return the reader of a distance in millimetres."""
+    return lambda text: _number(option, "millimetres above 0", text, lambda value: 0 < value < math.inf)
 
 
 def _number(option: str, wanted: str, text: str, fits: Callable[[float], bool]) -> float:

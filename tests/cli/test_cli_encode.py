@@ -14,8 +14,8 @@ KEYS = {
     "seconds", "encoder", "fdf", "bits", "segments",
 }  # fmt: skip
 INFO_KEYS = {
-    "format", "frames", "fps", "dofs", "joints", "duration_s", "fdf", "bits", "segment", "segments", "encoder",
-    "payload_bytes", "bytes",
+    "format", "profile", "frames", "fps", "dofs", "joints", "duration_s", "fdf", "bits", "segment", "segments",
+    "encoder", "payload_bytes", "bytes",
 }  # fmt: skip
 SETTINGS = [
     ("", (6, 8, 0, "closed")),
@@ -126,3 +126,32 @@ def test_bound_that_cannot_be_kept_says_which_can(qmd: Qmd, walk: Path, tmp_path
     outcome = qmd("encode", walk, tmp_path / "walk.qmd", *["--encoder", "bounded", "--max-error-mm", "1e-9"], "--json")
     assert outcome.code != 0
     assert "best that can be reached" in outcome.json["got"]
+
+
+@pytest.mark.parametrize(
+    ("options", "key", "most"),
+    [("", "mean_mm", 0.5), ("--mean-error-mm 1", "mean_mm", 1.0), ("--max-error-mm 4 --segment 20", "max_mm", 4.0)],
+)
+def test_compact_profile_keeps_to_the_error_and_info_says_so(
+    qmd: Qmd, walk: Path, tmp_path: Path, options: str, key: str, most: float
+) -> None:
+    out = tmp_path / "walk.qmd"
+    encoded = qmd("encode", walk, out, "--profile", "compact", *options.split(), "--json").json
+    found = qmd("measure", walk, out, "--json").json
+    info = qmd("info", out, "--json").json
+    assert found[key] <= most
+    assert encoded[key] == pytest.approx(found[key], rel=1e-3)
+    assert (info["profile"], info["segments"]) == ("compact", 3 if "--segment" in options else 1)
+    assert encoded["bytes"] == info["bytes"] == out.stat().st_size
+    assert encoded["payload_bytes"] == info["payload_bytes"] < 60 * 62
+
+
+@pytest.mark.parametrize(
+    "options",
+    ["--mean-error-mm 1", "--profile compact --mean-error-mm 1 --max-error-mm 2", "--profile compact --fdf 3",
+     "--profile compact --mean-error-mm 0", "--profile compact --encoder paper"],
+)  # fmt: skip
+def test_compact_options_that_contradict_each_other_are_refused(
+    qmd: Qmd, walk: Path, tmp_path: Path, options: str
+) -> None:
+    assert qmd("encode", walk, tmp_path / "walk.qmd", *options.split()).code == 2

@@ -109,7 +109,7 @@ def test_decode_of_one_flipped_bit_says_that_the_checksum_fails():
 
 def test_decode_of_a_later_version_says_so():
     data = bytearray(GOLDEN)
-    data[4] = 2
+    data[4] = 3
     assert "version" in refused(bytes(data)).message
 
 

@@ -1,6 +1,7 @@
-"""The container of version 1: 64 bytes before the paper's payload, and the skeleton block after it.
+"""The container of both versions: 64 bytes before the payload, and the skeleton block after it.
 
-The layout is written out byte by byte in resources/help/qmd-format.md; the numbers here are that page's.
+Version 1 holds the paper's payload, version 2 that of the compact profile. The layout is written out byte by byte in
+resources/help/qmd-format.md and qmd-compact.md; the numbers here are those pages'.
 """
 
 from __future__ import annotations
@@ -17,23 +18,29 @@ from qmd_studio.motion.motion import check_frame_rate
 
 MAGIC = b"QMD\x1a"
 VERSION = 1
+COMPACT_VERSION = 2
 HEADER = struct.Struct("<4sHHIQIdB3xfII16s")
 """Magic, version, header bytes, checksum, payload bytes, skeleton bytes, fps, encoder, k, RQT, n_d, software."""
 
 _CHECKSUM_AT, _CHECKSUM_END = 8, 12
 _ENCODER_CODES = {Encoder.PAPER: 1, Encoder.PLAIN: 2, Encoder.CLOSED: 3, Encoder.BOUNDED: 4}
 _EQUAL_WIDTH_CODE = 5
-_ENCODER_NAMES = {code: str(encoder) for encoder, code in _ENCODER_CODES.items()} | {_EQUAL_WIDTH_CODE: "paper"}
+_COMPACT_CODE = 6
+_ENCODER_NAMES = {code: str(encoder) for encoder, code in _ENCODER_CODES.items()} | {
+    _EQUAL_WIDTH_CODE: "paper",
+    _COMPACT_CODE: "compact",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Container:
     """A file taken apart, its checksum proven: what stands around the payload, and views of the two parts.
 
-    All but `fps` and the parts is provenance; nothing in it is needed to decode. `max_error_mm` is what the bounded
-    encoder was held to, infinite for the others.
+    `version` says which payload it is. All but that, `fps` and the parts is provenance; nothing in it is needed to
+    decode. `max_error_mm` is what the bounded encoder was held to, infinite for the others.
     """
 
+    version: int
     fps: float
     encoder: str
     buckets: Buckets
@@ -52,24 +59,25 @@ def looks_like_qmd(head: bytes) -> bool:
 
 
 def build(payload: bytes, skeleton_block: bytes, fps: float, settings: QmdSettings) -> bytes:
-    """Return the whole file for a payload and a skeleton block (empty: none)."""
-    bounded = settings.encoder is Encoder.BOUNDED
-    header = bytearray(
-        HEADER.pack(
-            MAGIC,
-            VERSION,
-            HEADER.size,
-            0,
-            len(payload),
-            len(skeleton_block),
-            fps,
-            _encoder_code(settings),
-            settings.max_error_mm if bounded else settings.k,
-            settings.rqt,
-            0 if bounded else settings.segment,
-            f"qmd-studio {__version__}".encode()[:16],
-        )
-    )
+    """Return the whole file for a payload of version 1 and a skeleton block (empty: none)."""
+    if settings.encoder is Encoder.BOUNDED:
+        provenance = (_encoder_code(settings), settings.max_error_mm, settings.rqt, 0)
+    else:
+        provenance = (_encoder_code(settings), settings.k, settings.rqt, settings.segment)
+    return _build(VERSION, payload, skeleton_block, fps, provenance)
+
+
+def build_compact(payload: bytes, skeleton_block: bytes, fps: float, segment: int) -> bytes:
+    """Return the whole file for a payload of version 2 in segments of `segment` frames (0: one)."""
+    return _build(COMPACT_VERSION, payload, skeleton_block, fps, (_COMPACT_CODE, 0.0, 0, segment))
+
+
+def _build(
+    version: int, payload: bytes, skeleton_block: bytes, fps: float, provenance: tuple[int, float, int, int]
+) -> bytes:
+    sizes = (len(payload), len(skeleton_block))
+    software = f"qmd-studio {__version__}".encode()[:16]
+    header = bytearray(HEADER.pack(MAGIC, version, HEADER.size, 0, *sizes, fps, *provenance, software))
     checksum = zlib.crc32(skeleton_block, zlib.crc32(payload, _header_checksum(header)))
     struct.pack_into("<I", header, _CHECKSUM_AT, checksum)
     return b"".join((header, payload, skeleton_block))
@@ -87,11 +95,11 @@ def parse(data: bytes) -> Container:
             "the file ends inside its header", wanted=f"{HEADER.size} bytes", got=str(len(data)), hint=_INCOMPLETE
         )
     _, version, header_bytes, checksum, payload_bytes, block_bytes, fps, *provenance = HEADER.unpack_from(data)
-    if version != VERSION or header_bytes != HEADER.size:
+    if version not in (VERSION, COMPACT_VERSION) or header_bytes != HEADER.size:
         raise FormatError(
             "this version of the QMD format is not known",
             at="byte 4",
-            wanted=f"version {VERSION} with {HEADER.size} header bytes",
+            wanted=f"version {VERSION} or {COMPACT_VERSION} with {HEADER.size} header bytes",
             got=f"version {version} with {header_bytes}",
             hint="Open it with a newer studio",
         )
@@ -115,6 +123,7 @@ def parse(data: bytes) -> Container:
     code, parameter, rqt, segment, software = provenance
     bounded = code == _ENCODER_CODES[Encoder.BOUNDED]
     return Container(
+        version=version,
         fps=fps,
         encoder=_ENCODER_NAMES.get(code, "other"),
         buckets=Buckets.WIDTH if code == _EQUAL_WIDTH_CODE else Buckets.FREQUENCY,

@@ -1,10 +1,12 @@
-"""QMD to motion: look up and add."""
+"""QMD of either version to motion; version 1 is looked up and added."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from qmd_studio.arrays import Float32Array
+from qmd_studio.codecs.compact import payload as compact_payload
+from qmd_studio.codecs.compact.decode import decode_payload as decode_compact
 from qmd_studio.codecs.qmd import container
 from qmd_studio.codecs.qmd.payload import Payload, Segment, unpack
 from qmd_studio.codecs.qmd.skeleton_block import SkeletonBlock, unpack_skeleton_block
@@ -24,17 +26,19 @@ def decode(data: bytes, skeleton: Skeleton | None = None) -> Motion:
     one that needs a skeleton and got none, or one with another number of columns.
     """
     parts = container.parse(data)
-    contents = unpack(parts.payload)
-    block = _block_of(parts, contents, skeleton)
-    if block.skeleton.n_columns != len(contents.pose):
+    contents = (
+        compact_payload.unpack(parts.payload) if parts.version == container.COMPACT_VERSION else unpack(parts.payload)
+    )
+    block = _block_of(parts, contents.n_frames, contents.n_columns, skeleton)
+    if block.skeleton.n_columns != contents.n_columns:
         raise FormatError(
             "the skeleton does not fit the motion",
-            wanted=f"{len(contents.pose)} columns",
+            wanted=f"{contents.n_columns} columns",
             got=f"{block.skeleton.n_columns} in {block.skeleton.name!r}",
             hint="Give the skeleton that the motion was made on",
         )
-    X = motion_matrix(decode_payload(contents), block.skeleton)
-    return Motion(block.skeleton, X, parts.fps, block.name, block.mask)
+    decoded = decode_payload(contents) if isinstance(contents, Payload) else decode_compact(contents)
+    return Motion(block.skeleton, motion_matrix(decoded, block.skeleton), parts.fps, block.name, block.mask)
 
 
 def decode_payload(contents: Payload) -> Float32Array:
@@ -77,15 +81,13 @@ def _add_up_compiled(segments: tuple[Segment, ...], decoded: Float32Array) -> No
         row += segment.n_rows
 
 
-def _block_of(parts: container.Container, contents: Payload, skeleton: Skeleton | None) -> SkeletonBlock:
+def _block_of(parts: container.Container, n_frames: int, n_columns: int, skeleton: Skeleton | None) -> SkeletonBlock:
     if parts.skeleton_block:
-        return unpack_skeleton_block(
-            parts.skeleton_block, n_frames=contents.n_rows + 1, payload_bytes=len(parts.payload)
-        )
+        return unpack_skeleton_block(parts.skeleton_block, n_frames=n_frames, payload_bytes=len(parts.payload))
     if skeleton is None:
         raise FormatError(
             "the file has no skeleton of its own",
-            wanted=f"a skeleton with {len(contents.pose)} columns",
+            wanted=f"a skeleton with {n_columns} columns",
             hint="Convert it, and give a motion on the same skeleton (the .amc it came from, say) with --skeleton",
         )
     return SkeletonBlock(skeleton)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from qmd_studio.codecs.compact import file as compact
 from qmd_studio.codecs.qmd import container
 from qmd_studio.codecs.qmd.encode import encode
 from qmd_studio.codecs.qmd.payload import unpack
@@ -28,28 +29,37 @@ def write(motion: Motion) -> bytes:
 def describe(data: bytes) -> dict[str, Any]:
     """Return what a QMD file says of itself, without decoding the motion.
 
-    Keys: frames, dofs, fps, fdf, bits, segment (rows of d in the first segment), segments, encoder (a name of
-    `Encoder`, or "other"), buckets, k, rqt, max_error_mm (infinite but for the bounded encoder), software,
-    payload_bytes, skeleton_bytes, bytes. Raises `FormatError` for a damaged file.
+    Keys: profile ("paper" for version 1, "compact" for version 2), frames, dofs, fps, segments, encoder (a name of
+    `Encoder`, "compact" or "other"), software, payload_bytes, skeleton_bytes, bytes, and segment: the rows of d in the
+    first segment, or in version 2 the frames of one, 0 for one segment. Version 1 also has fdf, bits, buckets, k, rqt
+    and max_error_mm (infinite but for the bounded encoder), version 2 block, the frames from key to key. Raises
+    `FormatError` for a damaged file.
     """
     parts = container.parse(data)
-    contents = unpack(parts.payload)
-    first = contents.segments[0]
-    return {
-        "frames": contents.n_rows + 1,
-        "dofs": len(contents.pose),
+    about = compact.describe(parts) if parts.version == container.COMPACT_VERSION else _describe_paper(parts)
+    return about | {
         "fps": parts.fps,
-        "fdf": first.fdf,
-        "bits": first.bits,
-        "segment": first.n_rows,
-        "segments": len(contents.segments),
         "encoder": parts.encoder,
-        "buckets": str(parts.buckets),
-        "k": parts.k,
-        "rqt": parts.rqt,
-        "max_error_mm": parts.max_error_mm,
         "software": parts.software,
         "payload_bytes": len(parts.payload),
         "skeleton_bytes": len(parts.skeleton_block),
         "bytes": len(data),
+    }
+
+
+def _describe_paper(parts: container.Container) -> dict[str, Any]:
+    contents = unpack(parts.payload)
+    first = contents.segments[0]
+    return {
+        "profile": "paper",
+        "frames": contents.n_frames,
+        "dofs": contents.n_columns,
+        "fdf": first.fdf,
+        "bits": first.bits,
+        "segment": first.n_rows,
+        "segments": len(contents.segments),
+        "buckets": str(parts.buckets),
+        "k": parts.k,
+        "rqt": parts.rqt,
+        "max_error_mm": parts.max_error_mm,
     }

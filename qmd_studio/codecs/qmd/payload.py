@@ -68,6 +68,16 @@ class Payload:
         total = header + table + exact + index + self.pose.nbytes
         return SizeBreakdown(total, header, table, exact, index, self.pose.nbytes)
 
+    @property
+    def n_frames(self) -> int:
+        """The poses of the motion."""
+        return self.n_rows + 1
+
+    @property
+    def n_columns(self) -> int:
+        """The columns of a pose, the paper's m."""
+        return len(self.pose)
+
 
 def index_type(bits: int) -> np.dtype[np.unsignedinteger[Any]]:
     """Return the type of a table position of `bits` bits: one byte or two."""

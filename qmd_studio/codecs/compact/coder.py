@@ -1,0 +1,135 @@
+"""The binary range coder, compiled: one decision at a time, each with a probability of 16 bits.
+
+`state` of an encoder is (low, range, bytes written), of a decoder (code, range, bytes read), all int64. Importing this
+module imports numba.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from qmd_studio.arrays import IntArray
+
+ByteArray: TypeAlias = NDArray[np.uint8]
+Cells: TypeAlias = NDArray[Any]
+"""The adaptive models: (…, 2) int32, the probability of a one in 65,536ths and how much it has seen."""
+
+EVEN = 1 << 15
+_LEAST = 48
+_MOST_SEEN = 255
+_WORD = (1 << 32) - 1
+_NARROW = 1 << 24
+_BEYOND = 4
+"""The bytes a decoder may read past the end, as zeros: it reads four ahead."""
+
+
+@njit(cache=True, nogil=True)
+def new_encoder() -> IntArray:
+    """Return the state of an encoder that has written nothing."""
+    return np.array([0, _WORD, 0], dtype=np.int64)
+
+
+@njit(cache=True, nogil=True)
+def encode_bit(state: IntArray, out: ByteArray, one: int, bit: int) -> None:
+    """Write a decision whose chance of being 1 is `one` / 65,536."""
+    bound = (state[1] >> 16) * one
+    if bit:
+        state[1] = bound
+    else:
+        state[0] += bound
+        state[1] -= bound
+        if state[0] > _WORD:
+            state[0] &= _WORD
+            _carry(out, state[2])
+    while state[1] < _NARROW:
+        out[state[2]] = state[0] >> 24
+        state[2] += 1
+        state[0] = (state[0] << 8) & _WORD
+        state[1] <<= 8
+
+
+@njit(cache=True, nogil=True)
+def finish(state: IntArray, out: ByteArray) -> int:
+    """Write what the last decisions still need and return the length; a decoder reads zeros past the end."""
+    for n_bytes in range(5):
+        rest = (1 << (32 - 8 * n_bytes)) - 1
+        low = (state[0] + rest) & ~rest
+        if low < state[0] + state[1]:
+            break
+    if low > _WORD:
+        low &= _WORD
+        _carry(out, state[2])
+    for byte in range(n_bytes):
+        out[state[2]] = (low >> (24 - 8 * byte)) & 255
+        state[2] += 1
+    return int(state[2])
+
+
+@njit(cache=True, nogil=True)
+def _carry(out: ByteArray, end: int) -> None:
+    at = end - 1
+    while out[at] == 255:
+        out[at] = 0
+        at -= 1
+    out[at] += 1
+
+
+@njit(cache=True, nogil=True)
+def new_decoder(data: ByteArray) -> IntArray:
+    """Return the state of a decoder at the start of `data`."""
+    state = np.array([0, _WORD, 0], dtype=np.int64)
+    for _ in range(4):
+        _next_byte(state, data)
+    return state
+
+
+@njit(cache=True, nogil=True)
+def decode_bit(state: IntArray, data: ByteArray, one: int) -> int:
+    """Read a decision whose chance of being 1 is `one` / 65,536."""
+    bound = (state[1] >> 16) * one
+    if state[0] < bound:
+        state[1] = bound
+        bit = 1
+    else:
+        state[0] -= bound
+        state[1] -= bound
+        bit = 0
+    while state[1] < _NARROW:
+        _next_byte(state, data)
+        state[1] <<= 8
+    return bit
+
+
+@njit(cache=True, nogil=True)
+def _next_byte(state: IntArray, data: ByteArray) -> None:
+    byte = data[state[2]] if state[2] < len(data) else 0
+    state[2] += 1
+    state[0] = ((state[0] << 8) & _WORD) | byte
+
+
+@njit(cache=True, nogil=True)
+def overrun(state: IntArray, data: ByteArray) -> bool:
+    """Return whether a decoder has read more than an encoder can have written."""
+    return bool(state[2] > len(data) + _BEYOND)
+
+
+@njit(cache=True, nogil=True)
+def chance(cell: Cells) -> int:
+    """Return the probability of a one that a cell stands for, never quite 0 or 1."""
+    return int(min(max(cell[0], _LEAST), (1 << 16) - _LEAST))
+
+
+@njit(cache=True, nogil=True)
+def adapt(cell: Cells, bit: int) -> None:
+    """Let a cell learn a decision, the less the more it has seen."""
+    rate = 327680 // (5 * cell[1] + 8)
+    if bit:
+        cell[0] += ((65536 - cell[0]) * rate) >> 16
+    else:
+        cell[0] -= (cell[0] * rate) >> 16
+    if cell[1] < _MOST_SEEN:
+        cell[1] += 1
