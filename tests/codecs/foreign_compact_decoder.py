@@ -64,7 +64,7 @@ def segment(stream, n, apart, reference, first):
     m = len(reference)
     blocks = max(1, (2 * (n - 1) + apart) // (2 * apart)) if n > 1 else 0
     start = reference if first else key(stream, 0, reference, None)[0]
-    sums = [[32768 * u for u in start]]
+    sums = [[524288 * u for u in start]]
     before, steps, had_rows = [], [0] * m, 0
     for i in range(blocks):
         length = (n - 1) * (i + 1) // blocks - (n - 1) * i // blocks
@@ -80,10 +80,10 @@ def segment(stream, n, apart, reference, first):
                     rows[f].append(stream.number(3 + min(f, 2), context(e)))
             before = rows
         for t in range(1, length + 1):
-            w = (65536 * t + length) // (2 * length)
+            w = (1048576 * t + length) // (2 * length)
             sines = [sine(f + 1, t, length) for f in range(len(rows))]
             sums.append([
-                32768 * start[j] + (end[j] - start[j]) * w + sum(r[j] * s for r, s in zip(rows, sines, strict=True))
+                524288 * start[j] + (end[j] - start[j]) * w + sum(r[j] * s for r, s in zip(rows, sines, strict=True))
                 for j in range(m)
             ])  # fmt: skip
         start = end
@@ -184,11 +184,11 @@ class Stream:
 
 
 def sine(g, t, length):
-    return round(math.sqrt(2 / length) * math.sin(math.pi * g * t / length) * 65536)
+    return round(math.sqrt(2 / length) * math.sin(math.pi * g * t / length) * 1048576)
 
 
 def value(total, code):
-    return as_f32(as_f32(total) * (EIGHTHS[code % 8] * 2.0 ** (code // 8 - 24) / 65536))
+    return as_f32(as_f32(total) * (EIGHTHS[code % 8] * 2.0 ** (code // 8 - 24) / 1048576))
 
 
 def as_f32(number):

@@ -17,7 +17,9 @@ from qmd_studio.arrays import Float32Array, FloatArray, IntArray
 STEP_OCTAVES = 24
 """Step code 8 · `STEP_OCTAVES` is 1; each code more is an eighth of an octave more."""
 
-_FRACTION_BITS = 16
+_FRACTION_BITS = 20
+_ONE = 1 << _FRACTION_BITS
+_HALF = _ONE // 2
 _EIGHTHS = np.array([2 ** (i / 8) for i in range(8)], dtype=np.float32)
 
 
@@ -29,14 +31,14 @@ def step_sizes(codes: IntArray) -> Float32Array:
 
 @cache
 def sines(length: int) -> FloatArray:
-    """Return (length - 1, length - 1) the sines of a block of that many frames, as integers: 65,536 is one.
+    """Return (length - 1, length - 1) the sines of a block of that many frames, as integers: 2^20 is one.
 
     Row f - 1, frame t - 1: sqrt(2 / length) · sin(pi · f · t / length). No product comes near a tie, so that any good
     sine rounds to the same integers.
     """
     number = np.arange(1, length)
     turned = np.outer(number, number) % (2 * length)
-    table: FloatArray = np.rint(65536 * math.sqrt(2 / length) * np.sin(np.pi * turned / length))
+    table: FloatArray = np.rint(_ONE * math.sqrt(2 / length) * np.sin(np.pi * turned / length))
     table.flags.writeable = False
     return table
 
@@ -44,7 +46,7 @@ def sines(length: int) -> FloatArray:
 def synthesise(at: IntArray, keys: IntArray, rows: IntArray, steps: Float32Array) -> Float32Array:
     """Return a segment (frames, m) float32, radians and ASF units, from what its stream holds."""
     sums = np.empty((int(at[-1]) + 1, keys.shape[1]))
-    sums[0] = keys[0] * 32768
+    sums[0] = keys[0] * _HALF
     for i in range(1, len(at)):
         start, end = int(at[i - 1]), int(at[i])
         _add_block(keys[i - 1], keys[i], rows[start - i + 1 : end - i], sines(end - start), sums[start + 1 : end + 1])
@@ -59,9 +61,9 @@ def _add_block(start: IntArray, end: IntArray, rows: IntArray, table: FloatArray
     """Fill in `sums` (length, m) for the frames after the key `start`, the key `end` included."""
     length, m = sums.shape
     for t in range(length):
-        along = (65536 * (t + 1) + length) // (2 * length)
+        along = (_ONE * (t + 1) + length) // (2 * length)
         for j in range(m):
-            sums[t, j] = start[j] * 32768 + (end[j] - start[j]) * along
+            sums[t, j] = start[j] * _HALF + (end[j] - start[j]) * along
     for f in range(length - 1):
         row = rows[f]
         for j in range(m):
