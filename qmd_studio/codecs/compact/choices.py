@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from qmd_studio.arrays import FloatArray, IntArray
-from qmd_studio.codecs.compact.model import LARGEST, ROW_0, context_of, expected_coefficient, learn, price
+from qmd_studio.codecs.compact.model import LARGEST, ROW_0, cell_of, context_of, expected_coefficient, learn, price
 
 _SWEEPS = 2
 _DRAWN_IN = 0.85
@@ -46,23 +46,23 @@ def choose_rows(coefficients, step, lower, H, rate, cells, bits, known):  # type
     error, context = np.empty(m), np.empty(m, np.int64)
     sizes[:] = 0
     for f in range(n_rows):
-        models = cells[ROW_0 + min(f, 2)]
+        kind = ROW_0 + min(f, 2)
         for j in range(m):
             sizes[f + 2, j + 2] = abs(int(np.rint(coefficients[f, j] / step[j] * _DRAWN_IN)))
         for j in range(m):
-            context[j] = context_of(expected_coefficient(sizes, before, had, abs(key_step[j]), f, j))
-        _decide(coefficients[f], step, lower, rate, models, bits, context, rows[f], error)
-        _sweep(step, H, rate, models, bits, context, rows[f], error)
+            context[j] = cell_of(kind, context_of(expected_coefficient(sizes, before, had, abs(key_step[j]), f, j)))
+        _decide(coefficients[f], step, lower, rate, cells, bits, context, rows[f], error)
+        _sweep(step, H, rate, cells, bits, context, rows[f], error)
         for j in range(m):
             sizes[f + 2, j + 2] = abs(rows[f, j])
         for j in range(m):
             context_then = context_of(expected_coefficient(sizes, before, had, abs(key_step[j]), f, j))
-            learn(models[context_then], rows[f, j])
+            learn(cells, cell_of(kind, context_then), rows[f, j])
     return rows
 
 
 @njit(cache=True, nogil=True)
-def _decide(wanted, step, lower, rate, models, bits, context, row, error):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202, PLR0913
+def _decide(wanted, step, lower, rate, cells, bits, context, row, error):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202, PLR0913
     for a in range(len(wanted) - 1, -1, -1):
         pull = 0.0
         for b in range(a + 1, len(wanted)):
@@ -75,7 +75,7 @@ def _decide(wanted, step, lower, rate, models, bits, context, row, error):  # ty
         best, least = 0, np.inf
         for k in (nearest, inner, 0):
             away = k * step[a] - wanted[a] - goal
-            total = weight * away * away + rate * price(models[context[a]], bits, k)
+            total = weight * away * away + rate * price(cells, context[a], bits, k)
             if total < least:
                 least, best = total, k
         row[a] = best
@@ -83,7 +83,7 @@ def _decide(wanted, step, lower, rate, models, bits, context, row, error):  # ty
 
 
 @njit(cache=True, nogil=True)
-def _sweep(step, H, rate, models, bits, context, row, error):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _sweep(step, H, rate, cells, bits, context, row, error):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     m = len(row)
     slope = np.zeros(m)
     for a in range(m):
@@ -93,12 +93,12 @@ def _sweep(step, H, rate, models, bits, context, row, error):  # type: ignore[no
         changed = False
         for j in range(m):
             now = row[j]
-            paid = price(models[context[j]], bits, now)
+            paid = price(cells, context[j], bits, now)
             best, least = now, -1e-15
             for k in (max(now - 1, -LARGEST), min(now + 1, LARGEST), 0):
                 move = (k - now) * step[j]
                 gain = (2 * slope[j] + H[j, j] * move) * move
-                gain += rate * (price(models[context[j]], bits, k) - paid)
+                gain += rate * (price(cells, context[j], bits, k) - paid)
                 if gain < least:
                     least, best = gain, k
             if best != now:

@@ -16,11 +16,14 @@ from qmd_studio.arrays import IntArray
 
 ByteArray: TypeAlias = NDArray[np.uint8]
 Cells: TypeAlias = NDArray[Any]
-"""The adaptive models: (…, 2) int32, the probability of a one in 65,536ths and how much it has seen."""
+"""The adaptive models: (cells, 2) int32, the probability of a one in 65,536ths and how much it has seen."""
 
 EVEN = 1 << 15
 _LEAST = 48
 _MOST_SEEN = 255
+_RATES = 327680 // (5 * np.arange(_MOST_SEEN + 1) + 8)
+"""What a cell learns of a decision, in 65,536ths, by what it has seen: a division would cost more than all the rest."""
+
 _WORD = (1 << 32) - 1
 _NARROW = 1 << 24
 _BEYOND = 4
@@ -118,18 +121,18 @@ def overrun(state: IntArray, data: ByteArray) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def chance(cell: Cells) -> int:
-    """Return the probability of a one that a cell stands for, never quite 0 or 1."""
-    return int(min(max(cell[0], _LEAST), (1 << 16) - _LEAST))
+def chance(cells: Cells, at: int) -> int:
+    """Return the probability of a one that cell number `at` stands for, never quite 0 or 1."""
+    return int(min(max(cells[at, 0], _LEAST), (1 << 16) - _LEAST))
 
 
 @njit(cache=True, nogil=True)
-def adapt(cell: Cells, bit: int) -> None:
-    """Let a cell learn a decision, the less the more it has seen."""
-    rate = 327680 // (5 * cell[1] + 8)
+def adapt(cells: Cells, at: int, bit: int) -> None:
+    """Let cell number `at` learn a decision, the less the more it has seen."""
+    rate = _RATES[cells[at, 1]]
     if bit:
-        cell[0] += ((65536 - cell[0]) * rate) >> 16
+        cells[at, 0] += ((65536 - cells[at, 0]) * rate) >> 16
     else:
-        cell[0] -= (cell[0] * rate) >> 16
-    if cell[1] < _MOST_SEEN:
-        cell[1] += 1
+        cells[at, 0] -= (cells[at, 0] * rate) >> 16
+    if cells[at, 1] < _MOST_SEEN:
+        cells[at, 1] += 1

@@ -30,6 +30,11 @@ PRIOR_BUCKETS = 16
 LARGEST = (1 << 24) - 1
 """The largest magnitude that an integer in a stream may have."""
 
+_QUARTERS = np.arange(1 << (N_CONTEXTS // 2))
+_OCTAVES = np.frexp(np.maximum(_QUARTERS, 1))[1] - 1
+_CONTEXTS = np.where(_QUARTERS < 2, _QUARTERS, 2 * _OCTAVES + ((_QUARTERS >> np.maximum(_OCTAVES - 1, 0)) & 1))
+"""The half octave of each number of quarters: what lies beyond the last is in the last context too."""
+
 SEEN_BEFORE = 24
 """How much a new cell counts as having seen."""
 
@@ -37,14 +42,20 @@ SEEN_BEFORE = 24
 @njit(cache=True, nogil=True)
 def new_cells(prior: ByteArray) -> Cells:
     """Return the cells that a stream starts with, from the prior (classes, contexts, 16) in 256ths."""
-    cells = np.empty((N_CLASSES, N_CONTEXTS, N_BUCKETS, 2), np.int32)
-    cells[:, :, :, 0] = EVEN
-    cells[:, :, :, 1] = SEEN_BEFORE
+    cells = np.empty((N_CLASSES * N_CONTEXTS * N_BUCKETS, 2), np.int32)
+    cells[:, 0] = EVEN
+    cells[:, 1] = SEEN_BEFORE
     for kind in range(len(prior)):
         for context in range(N_CONTEXTS):
             for bucket in range(PRIOR_BUCKETS):
-                cells[kind, context, bucket, 0] = prior[kind, context, bucket] << 8
+                cells[cell_of(kind, context) + bucket, 0] = prior[kind, context, bucket] << 8
     return cells
+
+
+@njit(cache=True, nogil=True)
+def cell_of(kind: int, context: int) -> int:
+    """Return the number of the first of the cells for a class and a context."""
+    return (kind * N_CONTEXTS + context) * N_BUCKETS
 
 
 @njit(cache=True, nogil=True)
@@ -61,24 +72,18 @@ def bucket_of(size: int) -> int:
 @njit(cache=True, nogil=True)
 def context_of(expected: int) -> int:
     """Return the context for 64 times an expected magnitude: half octaves of its quarters."""
-    quarters = expected >> 4
-    if quarters < 2:
-        return quarters
-    octave = 1
-    while quarters >> (octave + 1):
-        octave += 1
-    return min(2 * octave + ((quarters >> (octave - 1)) & 1), N_CONTEXTS - 1)
+    return int(_CONTEXTS[min(expected >> 4, len(_CONTEXTS) - 1)])
 
 
 @njit(cache=True, nogil=True)
-def write_integer(state: IntArray, out: ByteArray, cells: Cells, value: int) -> None:
-    """Write `value`, at most `LARGEST` in size, with the cells (buckets, 2) of its context, which learn it."""
+def write_integer(state: IntArray, out: ByteArray, cells: Cells, at: int, value: int) -> None:
+    """Write `value`, at most `LARGEST` in size, with the cells from `at` on, which learn it."""
     size = abs(value)
     bucket = bucket_of(size)
     for b in range(min(bucket + 1, N_BUCKETS - 1)):
         more = 1 if b < bucket else 0
-        encode_bit(state, out, chance(cells[b]), more)
-        adapt(cells[b], more)
+        encode_bit(state, out, chance(cells, at + b), more)
+        adapt(cells, at + b, more)
     for place in range(bucket // 2 - 2, -1, -1):
         encode_bit(state, out, EVEN, (size >> place) & 1)
     if size:
@@ -86,12 +91,12 @@ def write_integer(state: IntArray, out: ByteArray, cells: Cells, value: int) -> 
 
 
 @njit(cache=True, nogil=True)
-def read_integer(state: IntArray, data: ByteArray, cells: Cells) -> int:
+def read_integer(state: IntArray, data: ByteArray, cells: Cells, at: int) -> int:
     """Read what `write_integer` wrote."""
     bucket = 0
     while bucket < N_BUCKETS - 1:
-        more = decode_bit(state, data, chance(cells[bucket]))
-        adapt(cells[bucket], more)
+        more = decode_bit(state, data, chance(cells, at + bucket))
+        adapt(cells, at + bucket, more)
         if not more:
             break
         bucket += 1
@@ -144,22 +149,22 @@ def expected_coefficient(sizes: IntArray, before: IntArray, had: bool, step: int
 
 
 @njit(cache=True, nogil=True)
-def price(cells: Cells, bits: FloatArray, value: int) -> float:
-    """Return about how many bits `value` takes with these cells; `bits` (257,) are those of probabilities in 256ths."""
+def price(cells: Cells, at: int, bits: FloatArray, value: int) -> float:
+    """Return about how many bits `value` takes with the cells from `at` on; `bits` (257,) are those of probabilities in 256ths."""
     size = abs(value)
     bucket = bucket_of(size)
     total = 0.0
     for b in range(bucket):
-        total += bits[(cells[b, 0] + 128) >> 8]
-    total += bits[256 - ((cells[bucket, 0] + 128) >> 8)]
+        total += bits[(cells[at + b, 0] + 128) >> 8]
+    total += bits[256 - ((cells[at + bucket, 0] + 128) >> 8)]
     if size:
         total += 1 + max(bucket // 2 - 1, 0)
     return float(total)
 
 
 @njit(cache=True, nogil=True)
-def learn(cells: Cells, value: int) -> None:
-    """Let the cells learn `value` without writing it."""
+def learn(cells: Cells, at: int, value: int) -> None:
+    """Let the cells from `at` on learn `value` without writing it."""
     bucket = bucket_of(abs(value))
     for b in range(bucket + 1):
-        adapt(cells[b], 1 if b < bucket else 0)
+        adapt(cells, at + b, 1 if b < bucket else 0)

@@ -17,6 +17,7 @@ from qmd_studio.codecs.compact.model import (
     ROWS,
     SECOND_KEY,
     STEP,
+    cell_of,
     context_of,
     expected_coefficient,
     expected_key,
@@ -44,7 +45,7 @@ def write_prelude(prior: ByteArray, steps: IntArray, pose: IntArray) -> ByteArra
     out = np.zeros(_BYTES_AN_INTEGER * 2 * m + 64, np.uint8)
     last = _FIRST_STEP
     for j in range(m):
-        write_integer(state, out, cells[STEP, 0], steps[j] - last)
+        write_integer(state, out, cells, cell_of(STEP, 0), steps[j] - last)
         last = steps[j]
     nothing = np.zeros(m, np.int64)
     write_key(state, out, cells, pose, (nothing, nothing, NO_SIZES), FIRST_KEY)
@@ -58,7 +59,7 @@ def read_prelude(prior: ByteArray, data: ByteArray, steps: IntArray, pose: IntAr
     cells, state = new_cells(prior), new_decoder(data)
     last = _FIRST_STEP
     for j in range(m):
-        last += read_integer(state, data, cells[STEP, 0])
+        last += read_integer(state, data, cells, cell_of(STEP, 0))
         if not 0 <= last <= 255:
             return OUT_OF_RANGE
         if overrun(state, data):
@@ -77,7 +78,7 @@ def write_key(state, out, cells, key, known, kind):  # type: ignore[no-untyped-d
         low, next_low = (sizes[2, j + 2], sizes[3, j + 2]) if kind == LATER_KEY else (0, 0)
         context = context_of(expected_key(kind, left, left2, abs(step_before[j]), low, next_low))
         step = key[j] - last[j]
-        write_integer(state, out, cells[kind, context], step)
+        write_integer(state, out, cells, cell_of(kind, context), step)
         left, left2 = abs(step), left
 
 
@@ -89,7 +90,7 @@ def read_key(state, data, cells, key, known, kind):  # type: ignore[no-untyped-d
     for j in range(len(key)):
         low, next_low = (sizes[2, j + 2], sizes[3, j + 2]) if kind == LATER_KEY else (0, 0)
         context = context_of(expected_key(kind, left, left2, abs(step_before[j]), low, next_low))
-        step = read_integer(state, data, cells[kind, context])
+        step = read_integer(state, data, cells, cell_of(kind, context))
         key[j] = last[j] + step
         if abs(key[j]) > LARGEST_KEY:
             return OUT_OF_RANGE
@@ -129,14 +130,14 @@ def write_segment(
         used = len(block)
         while used > 0 and not block[used - 1].any():
             used -= 1
-        write_integer(state, out, cells[ROWS, 0], used - used_before)
+        write_integer(state, out, cells, cell_of(ROWS, 0), used - used_before)
         used_before = used
         sizes[:] = 0
         for f in range(used):
             kind = ROW_0 + min(f, 2)
             for j in range(m):
                 context = context_of(expected_coefficient(sizes, before, i > 1, abs(step[j]), f, j))
-                write_integer(state, out, cells[kind, context], block[f, j])
+                write_integer(state, out, cells, cell_of(kind, context), block[f, j])
                 sizes[f + 2, j + 2] = abs(block[f, j])
         sizes, before = before, sizes
     return out[: finish(state, out)].copy()
@@ -166,7 +167,7 @@ def read_segment(
         block = rows[at[i - 1] - i + 1 : at[i] - i]
         if not len(block):
             continue
-        used += read_integer(state, data, cells[ROWS, 0])
+        used += read_integer(state, data, cells, cell_of(ROWS, 0))
         if not 0 <= used <= len(block):
             return OUT_OF_RANGE
         sizes[:] = 0
@@ -174,7 +175,7 @@ def read_segment(
             kind = ROW_0 + min(f, 2)
             for j in range(m):
                 context = context_of(expected_coefficient(sizes, before, i > 1, abs(step[j]), f, j))
-                value = read_integer(state, data, cells[kind, context])
+                value = read_integer(state, data, cells, cell_of(kind, context))
                 block[f, j] = value
                 sizes[f + 2, j + 2] = abs(value)
             if overrun(state, data):

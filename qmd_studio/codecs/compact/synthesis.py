@@ -64,9 +64,14 @@ def _add_block(start: IntArray, end: IntArray, rows: IntArray, table: FloatArray
         along = (_ONE * (t + 1) + length) // (2 * length)
         for j in range(m):
             sums[t, j] = start[j] * _HALF + (end[j] - start[j]) * along
+    amount = np.empty(m)
     for f in range(length - 1):
         row = rows[f]
+        if not row.any():
+            continue
         for j in range(m):
-            if row[j]:
-                for t in range(length - 1):
-                    sums[t, j] += row[j] * table[f, t]
+            amount[j] = row[j]
+        for t in range(length - 1):
+            sine = table[f, t]
+            for j in range(m):
+                sums[t, j] += amount[j] * sine
