@@ -84,34 +84,31 @@ def _carry(out: ByteArray, end: int) -> None:
 @njit(cache=True, nogil=True)
 def new_decoder(data: ByteArray) -> IntArray:
     """Return the state of a decoder at the start of `data`."""
-    state = np.array([0, _WORD, 0], dtype=np.int64)
-    for _ in range(4):
-        _next_byte(state, data)
-    return state
+    code = 0
+    for at in range(4):
+        code = (code << 8) | (data[at] if at < len(data) else 0)
+    return np.array([code, _WORD, 4], dtype=np.int64)
 
 
 @njit(cache=True, nogil=True)
-def decode_bit(state: IntArray, data: ByteArray, one: int) -> int:
-    """Read a decision whose chance of being 1 is `one` / 65,536."""
-    bound = (state[1] >> 16) * one
-    if state[0] < bound:
-        state[1] = bound
+def decode_bit(code: int, width: int, at: int, data: ByteArray, one: int) -> tuple[int, int, int, int]:
+    """Read a decision whose chance of being 1 is `one` / 65,536.
+
+    A decoder's state comes and goes as plain numbers, which stay in registers. Returns the bit and the state.
+    """
+    bound = (width >> 16) * one
+    if code < bound:
+        width = bound
         bit = 1
     else:
-        state[0] -= bound
-        state[1] -= bound
+        code -= bound
+        width -= bound
         bit = 0
-    while state[1] < _NARROW:
-        _next_byte(state, data)
-        state[1] <<= 8
-    return bit
-
-
-@njit(cache=True, nogil=True)
-def _next_byte(state: IntArray, data: ByteArray) -> None:
-    byte = data[state[2]] if state[2] < len(data) else 0
-    state[2] += 1
-    state[0] = ((state[0] << 8) & _WORD) | byte
+    while width < _NARROW:
+        code = (code << 8) | (data[np.uint64(at)] if at < len(data) else 0)
+        width <<= 8
+        at += 1
+    return bit, code, width, at
 
 
 @njit(cache=True, nogil=True)

@@ -93,9 +93,10 @@ def write_integer(state: IntArray, out: ByteArray, cells: Cells, at: int, value:
 @njit(cache=True, nogil=True)
 def read_integer(state: IntArray, data: ByteArray, cells: Cells, at: int) -> int:
     """Read what `write_integer` wrote."""
+    code, width, place = state[0], state[1], state[2]
     bucket = 0
     while bucket < N_BUCKETS - 1:
-        more = decode_bit(state, data, chance(cells, at + bucket))
+        more, code, width, place = decode_bit(code, width, place, data, chance(cells, at + bucket))
         adapt(cells, at + bucket, more)
         if not more:
             break
@@ -104,9 +105,13 @@ def read_integer(state: IntArray, data: ByteArray, cells: Cells, at: int) -> int
     if bucket >= 4:
         size = 2 + (bucket & 1)
         for _ in range(bucket // 2 - 1):
-            size = 2 * size + decode_bit(state, data, EVEN)
-    if size and decode_bit(state, data, EVEN):
-        return -size
+            bit, code, width, place = decode_bit(code, width, place, data, EVEN)
+            size = 2 * size + bit
+    if size:
+        bit, code, width, place = decode_bit(code, width, place, data, EVEN)
+        if bit:
+            size = -size
+    state[0], state[1], state[2] = code, width, place
     return size
 
 
