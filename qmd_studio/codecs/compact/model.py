@@ -155,7 +155,10 @@ def expected_coefficient(sizes: IntArray, before: IntArray, had: bool, step: int
 
 @njit(cache=True, nogil=True)
 def price(cells: Cells, at: int, bits: FloatArray, value: int) -> float:
-    """Return about how many bits `value` takes with the cells from `at` on; `bits` (257,) are those of probabilities in 256ths."""
+    """Return about how many bits `value` takes with the cells from `at` on.
+
+    `bits` (257,) are those of probabilities in 256ths.
+    """
     size = abs(value)
     bucket = bucket_of(size)
     total = 0.0

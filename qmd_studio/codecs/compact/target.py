@@ -44,14 +44,14 @@ def meet_target(motion: Motion, settings: CompactSettings) -> Outcome:
     if not motion.skeleton.points:
         raise CodecError("the skeleton has no points to measure at", hint="Use the profile of version 1")
     encoder = CompactEncoder(motion, settings)
-    meter = _Meter(motion)
+    meter = Meter(motion)
     if settings.mean_error_mm is not None:
         return _search(encoder, meter, settings.mean_error_mm, worst=False)
     assert settings.max_error_mm is not None  # checked by the encoder
     return _search(encoder, meter, settings.max_error_mm, worst=True)
 
 
-class _Meter:
+class Meter:
     """Measures decoded matrices against the motion that they were made from."""
 
     def __init__(self, motion: Motion) -> None:
@@ -69,7 +69,7 @@ class _Meter:
         return distances
 
 
-def _search(encoder: CompactEncoder, meter: _Meter, target_mm: float, *, worst: bool) -> Outcome:
+def _search(encoder: CompactEncoder, meter: Meter, target_mm: float, *, worst: bool) -> Outcome:
     """Look for the coarsest fineness that keeps to the target, by false position on logarithms."""
     fineness = (0.4 if worst else 4.0) * target_mm / _MM_PER_UNIT
     good: tuple[float, float, EncodedPayload, FloatArray] | None = None
