@@ -104,7 +104,8 @@ def _integers(
     from qmd_studio.codecs.compact.stream import new_sizes
 
     step = steps.astype(np.float64)
-    lowers = [cholesky(H, lower=True) for H in part.blocks]
+    roots = {id(H): cholesky(H, lower=True) for H in part.blocks}  # neighbours may share a matrix
+    lowers = [roots[id(H)] for H in part.blocks]
     at = part.at
     keys = np.array([nearest_plane(matrix[t], step / 2, lowers[max(i - 1, 0)]) for i, t in enumerate(at)])
     cells, bits = new_cells(prior()), _bits()

@@ -16,6 +16,9 @@ from qmd_studio.motion.motion import Motion
 _EVERY = 3
 """Every so many frames of a block are looked at: the matrix changes slowly."""
 
+_MOST_MATRICES = 4000
+"""Of a motion of more blocks than this, neighbours share one, so that a million frames fit into memory."""
+
 _FLOOR = 1e-4
 """Added to the diagonal: columns that move nothing get a finite step, and no matrix is singular."""
 
@@ -44,14 +47,18 @@ def sensitivities(motion: Motion, *, segment: int, block: int) -> tuple[Sensitiv
 
     rows = motion.X / column_scales(motion.skeleton)
     length = segment or motion.n_frames
+    shared = 1 + motion.n_frames // block // _MOST_MATRICES
     found = []
     for number in range(n_segments(motion.n_frames, segment)):
         start = number * length
         end = min(start + length, motion.n_frames)
         at = key_frames(end - start, block)
         spans = [(start + int(a), start + int(b) + 1) for a, b in pairwise(at)] or [(start, end)]
-        blocks = []
-        for first, last in spans:
+        blocks: list[FloatArray] = []
+        for number_in, (first, last) in enumerate(spans):
+            if number_in % shared:
+                blocks.append(blocks[-1])
+                continue
             H = matrices(motion.skeleton, rows[first:last:_EVERY]).mean(axis=0)
             H[np.diag_indices_from(H)] += _FLOOR
             blocks.append(H)
