@@ -23,7 +23,7 @@ _Real: TypeAlias = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Plan:
+class Plan:
     """What a kernel is told, in the precision it works in; K visited joints in the order of the skeleton, T targets.
 
     `parent` (K,) counts visited joints. `turns` says whether a joint's rotation is needed by anything. `aligned` and
@@ -50,6 +50,7 @@ class _Plan:
     target_offset: _Real
 
     def arguments(self) -> tuple[NDArray[Any], ...]:
+        """Return all arrays in the order in which the kernels take them."""
         return tuple(getattr(self, name) for name in self.__slots__)
 
 
@@ -63,7 +64,7 @@ def node_positions_32(skeleton: Skeleton, Xt: Float32Array) -> Float32Array:
 
     `Xt` is (n_columns, n_frames) in radians and metres.
     """
-    return _positions(_plan(skeleton, "nodes", np.dtype(np.float32)), Xt)
+    return _positions(plan_of(skeleton, "nodes", np.dtype(np.float32)), Xt)
 
 
 def point_positions_32(skeleton: Skeleton, Xt: Float32Array) -> Float32Array:
@@ -71,7 +72,7 @@ def point_positions_32(skeleton: Skeleton, Xt: Float32Array) -> Float32Array:
 
     `Xt` is (n_columns, n_frames) in radians and metres.
     """
-    return _positions(_plan(skeleton, "points", np.dtype(np.float32)), Xt)
+    return _positions(plan_of(skeleton, "points", np.dtype(np.float32)), Xt)
 
 
 def point_positions_64(skeleton: Skeleton, X: FloatArray) -> FloatArray:
@@ -80,7 +81,7 @@ def point_positions_64(skeleton: Skeleton, X: FloatArray) -> FloatArray:
     `X` is (n_frames, n_columns) in radians and metres.
     """
     Xt = np.ascontiguousarray(np.asarray(X, dtype=np.float64).T)
-    rows = _positions(_plan(skeleton, "points", np.dtype(np.float64)), Xt)
+    rows = _positions(plan_of(skeleton, "points", np.dtype(np.float64)), Xt)
     return np.ascontiguousarray(rows.T).reshape(len(X), -1, 3)
 
 
@@ -109,7 +110,7 @@ def world_from_joint_fast(skeleton: Skeleton, X: FloatArray) -> FloatArray:
     return world
 
 
-def _positions(plan: _Plan, Xt: NDArray[Any]) -> NDArray[Any]:
+def _positions(plan: Plan, Xt: NDArray[Any]) -> NDArray[Any]:
     rows = np.ascontiguousarray(Xt, dtype=plan.offset.dtype)
     positions = np.empty((3 * len(plan.target_joint), rows.shape[1]), dtype=rows.dtype)
     position_kernel(rows, positions, *plan.arguments())
@@ -117,7 +118,7 @@ def _positions(plan: _Plan, Xt: NDArray[Any]) -> NDArray[Any]:
 
 
 @lru_cache(maxsize=64)
-def _plan(skeleton: Skeleton, targets: str, dtype: np.dtype[np.floating[Any]]) -> _Plan:
+def plan_of(skeleton: Skeleton, targets: str, dtype: np.dtype[np.floating[Any]]) -> Plan:
     """Return the plan for all "nodes" or only the "points", leaving out joints that no target depends on."""
     chain = chain_of(skeleton)
     n_joints = len(chain.parent)
@@ -132,7 +133,7 @@ def _plan(skeleton: Skeleton, targets: str, dtype: np.dtype[np.floating[Any]]) -
     number = np.cumsum(visited) - 1
     turn_rows, turn_start = _rows_of(chain.turn_start, kept)
     move_rows, move_start = _rows_of(chain.move_start, kept)
-    return _Plan(
+    return Plan(
         parent=np.where(chain.parent[kept] >= 0, number[chain.parent[kept]], -1),
         turns=turning[kept],
         aligned=(chain.orientation[kept] == np.eye(3)).all(axis=(1, 2)),

@@ -15,13 +15,15 @@ from qmd_studio.compiled import compiled
 
 _Rows: TypeAlias = NDArray[Any]
 
-_BLOCK = 128
-_EXACT = {"contract", "nnan", "ninf", "nsz"}
+BLOCK = 128
+"""Frames that pass over all joints together."""
+
+EXACT = {"contract", "nnan", "ninf", "nsz"}
 """Freedoms for the compiler that leave the order of additions alone: range reduction lives on it."""
 
 
-@compiled(fastmath=_EXACT)
-def _sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Rows, count: int) -> None:
+@compiled(fastmath=EXACT)
+def sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Rows, count: int) -> None:
     """Fill the first `count` of `sine` and `cosine` for `sign * angle[start:]`."""
     if angle.itemsize == 8:
         for t in range(count):
@@ -49,8 +51,8 @@ def _sine_cosine(angle: _Rows, start: int, sign: float, sine: _Rows, cosine: _Ro
         cosine[t] = flip * c
 
 
-@compiled(fastmath=_EXACT)
-def _turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> None:
+@compiled(fastmath=EXACT)
+def turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> None:
     """Multiply the matrices (9, block) from the right by a turn about `axis`."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     for row in range(3):
@@ -61,8 +63,8 @@ def _turn(matrix: _Rows, axis: int, sine: _Rows, cosine: _Rows, count: int) -> N
             second[t] = y * cosine[t] - x * sine[t]
 
 
-@compiled(fastmath=_EXACT)
-def _copy(source: _Rows, target: _Rows, start: int, count: int) -> None:
+@compiled(fastmath=EXACT)
+def copy_rows(source: _Rows, target: _Rows, start: int, count: int) -> None:
     """Copy the first `count` of each row of `source` to `target` from `start` on."""
     for a in range(len(source)):
         ours, theirs = source[a], target[a]
@@ -70,11 +72,11 @@ def _copy(source: _Rows, target: _Rows, start: int, count: int) -> None:
             theirs[start + t] = ours[t]
 
 
-@compiled(fastmath=_EXACT)
-def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, count: int) -> None:
+@compiled(fastmath=EXACT)
+def orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, count: int) -> None:
     """Fill the matrices (9, block) with `outer` @ `orientation`."""
     if aligned:
-        _copy(outer, matrix, 0, count)
+        copy_rows(outer, matrix, 0, count)
         return
     for row in range(3):
         x, y, z = outer[3 * row], outer[3 * row + 1], outer[3 * row + 2]
@@ -85,8 +87,8 @@ def _orient(outer: _Rows, orientation: _Rows, aligned: bool, matrix: _Rows, coun
                 target[t] = x[t] * a + y[t] * b + z[t] * c
 
 
-@compiled(fastmath=_EXACT)
-def _carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, count: int) -> None:
+@compiled(fastmath=EXACT)
+def carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, count: int) -> None:
     """Fill `place` (3, …) from `start` on with `near` + `outer` @ `offset` (3,)."""
     a, b, c = offset[0], offset[1], offset[2]
     for row in range(3):
@@ -96,8 +98,8 @@ def _carry(place: _Rows, start: int, outer: _Rows, offset: _Rows, near: _Rows, c
             target[start + t] = base[t] + (x[t] * a + y[t] * b + z[t] * c)
 
 
-@compiled(fastmath=_EXACT)
-def _carry_each(place: _Rows, outer: _Rows, moved: _Rows, near: _Rows, count: int) -> None:
+@compiled(fastmath=EXACT)
+def carry_each(place: _Rows, outer: _Rows, moved: _Rows, near: _Rows, count: int) -> None:
     """Fill `place` (3, block) with `near` + `outer` @ `moved` (3, block): an offset for each frame."""
     a, b, c = moved[0], moved[1], moved[2]
     for row in range(3):
@@ -107,7 +109,7 @@ def _carry_each(place: _Rows, outer: _Rows, moved: _Rows, near: _Rows, count: in
             target[t] = base[t] + (x[t] * a[t] + y[t] * b[t] + z[t] * c[t])
 
 
-@compiled(fastmath=_EXACT)
+@compiled(fastmath=EXACT)
 def position_kernel(  # noqa: PLR0913 - compiled code takes no record
     Xt: _Rows,
     positions: _Rows,
@@ -131,15 +133,15 @@ def position_kernel(  # noqa: PLR0913 - compiled code takes no record
 ) -> None:
     """Fill `positions` (3 * T, n_frames) from `Xt` (n_columns, n_frames), one block of frames after the other."""
     n_frames, n_joints = Xt.shape[1], len(parent)
-    rotation = np.empty((n_joints, 9, _BLOCK), Xt.dtype)
-    place = np.empty((n_joints, 3, _BLOCK), Xt.dtype)
-    moved = np.empty((3, _BLOCK), Xt.dtype)
-    sine, cosine = np.empty(_BLOCK, Xt.dtype), np.empty(_BLOCK, Xt.dtype)
-    world = np.zeros((9, _BLOCK), Xt.dtype)
+    rotation = np.empty((n_joints, 9, BLOCK), Xt.dtype)
+    place = np.empty((n_joints, 3, BLOCK), Xt.dtype)
+    moved = np.empty((3, BLOCK), Xt.dtype)
+    sine, cosine = np.empty(BLOCK, Xt.dtype), np.empty(BLOCK, Xt.dtype)
+    world = np.zeros((9, BLOCK), Xt.dtype)
     world[0], world[4], world[8] = 1, 1, 1
-    origin = np.zeros((3, _BLOCK), Xt.dtype)
-    for start in range(0, n_frames, _BLOCK):
-        count = min(_BLOCK, n_frames - start)
+    origin = np.zeros((3, BLOCK), Xt.dtype)
+    for start in range(0, n_frames, BLOCK):
+        count = min(BLOCK, n_frames - start)
         for j in range(n_joints):
             p = parent[j]
             outer = rotation[p] if p >= 0 else world
@@ -152,26 +154,26 @@ def position_kernel(  # noqa: PLR0913 - compiled code takes no record
                     row, values = moved[move_axis[k]], Xt[move_column[k]]
                     for t in range(count):
                         row[t] += move_sign[k] * values[start + t]
-                _carry_each(place[j], outer, moved, near, count)
+                carry_each(place[j], outer, moved, near, count)
             elif joined[j]:
-                _copy(near, place[j], 0, count)
+                copy_rows(near, place[j], 0, count)
             else:
-                _carry(place[j], 0, outer, offset[j], near, count)
+                carry(place[j], 0, outer, offset[j], near, count)
             if turns[j]:
-                _orient(outer, orientation[j], aligned[j], rotation[j], count)
+                orient(outer, orientation[j], aligned[j], rotation[j], count)
                 for k in range(turn_start[j], turn_start[j + 1]):
-                    _sine_cosine(Xt[turn_column[k]], start, turn_sign[k], sine, cosine, count)
-                    _turn(rotation[j], turn_axis[k], sine, cosine, count)
+                    sine_cosine(Xt[turn_column[k]], start, turn_sign[k], sine, cosine, count)
+                    turn(rotation[j], turn_axis[k], sine, cosine, count)
         for k in range(len(target_joint)):
             j = target_joint[k]
             target = positions[3 * k : 3 * k + 3]
             if target_far[k]:
-                _carry(target, start, rotation[j], target_offset[k], place[j], count)
+                carry(target, start, rotation[j], target_offset[k], place[j], count)
             else:
-                _copy(place[j], target, start, count)
+                copy_rows(place[j], target, start, count)
 
 
-@compiled(fastmath=_EXACT)
+@compiled(fastmath=EXACT)
 def pose_kernel(  # noqa: PLR0913 - compiled code takes no record
     X: _Rows,
     parent: _Rows,
