@@ -33,7 +33,7 @@ class TuningSession:
         self._matrix = codec_matrix(motion)
         self._block = pack_skeleton_block(motion)
         self._lengths = np.flatnonzero(column_scales(motion.skeleton) != 1.0)
-        self._origin = np.where(_moves_all(motion.skeleton), self._matrix[0], np.float32(0))
+        self._origin = np.where(moves_all(motion.skeleton), self._matrix[0], np.float32(0))
 
     @property
     def skeleton_bytes(self) -> int:
@@ -96,7 +96,7 @@ class TuningSession:
         return measure_positions(self.motion.skeleton, self._positions, positions, fps=self.motion.fps)
 
 
-def _moves_all(skeleton: Skeleton) -> BoolArray:
+def moves_all(skeleton: Skeleton) -> BoolArray:
     """Return which columns (n_columns,) only move everything along: positions are measured from their first values.
 
     Single precision is then as good far from the world's origin as near it.

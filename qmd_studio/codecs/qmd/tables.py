@@ -15,7 +15,7 @@ _WIDEST_HISTOGRAM = 1 << 20
 _LARGEST_SHARE = 4
 """The density is estimated over intervals that hold about 1 / (4 * 2^b) of the values each."""
 
-_MOST_INTERVALS = 1 << 14
+MOST_INTERVALS = 1 << 14
 """More intervals than this buy a large table a tenth less error at twice the time."""
 
 
@@ -66,14 +66,14 @@ def averaged_table(
     level = np.broadcast_to(np.clip(levels, 1, MAX_LEVEL), differences.shape).ravel()
     lowest = np.full(2**bits, np.iinfo(np.int64).max)
     np.minimum.at(lowest, bucket, level)
-    weights = _relative_weights(k)[lowest[bucket], level]
+    weights = relative_weights(k)[lowest[bucket], level]
     total = np.bincount(bucket, weights * values, 2**bits)
     weight = np.bincount(bucket, weights, 2**bits)
     means: FloatArray = np.divide(total, weight, out=np.zeros(2**bits), where=weight > 0)
     return means.astype(np.float32)
 
 
-def _relative_weights(k: float) -> FloatArray:
+def relative_weights(k: float) -> FloatArray:
     """Return (lowest, l) the weight 1/l^k over that of the bucket's lowest level: 1 or 0 where k is infinite."""
     level = np.arange(MAX_LEVEL + 1, dtype=np.float64)
     ratio = np.minimum(level[:, np.newaxis] / np.maximum(level, 1.0), 1.0)
@@ -134,7 +134,7 @@ def middles(table: Float32Array) -> Float32Array:
 
 def _intervals(ordered: Float32Array, n_levels: int) -> tuple[FloatArray, FloatArray]:
     """Return the edges (k + 1,) of intervals that each hold about as many of the values, and how many each holds."""
-    n_intervals = min(len(ordered), _LARGEST_SHARE * n_levels, _MOST_INTERVALS)
+    n_intervals = min(len(ordered), _LARGEST_SHARE * n_levels, MOST_INTERVALS)
     ranks = np.arange(n_intervals + 1) * (len(ordered) - 1) // n_intervals
     edges = ordered[ranks].astype(np.float64)
     new = np.concatenate([[True], edges[1:] != edges[:-1]])  # what np.unique does, had it known that they are in order
