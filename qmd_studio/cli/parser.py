@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from importlib import import_module
@@ -10,6 +11,7 @@ from typing import Any, NoReturn
 
 from qmd_studio import __version__
 from qmd_studio.cli.report import Report
+from qmd_studio.codecs.qmd.settings import Encoder
 from qmd_studio.errors import QmdStudioError
 
 MAX_COUNT = 1 << 31
@@ -45,6 +47,10 @@ def build_parser() -> ArgumentParser:
     _add_encode(verbs)
     _add_decode(verbs)
     _add_measure(verbs)
+    _add_tune(verbs)
+    _add_table(verbs)
+    _add_figure(verbs)
+    _add_batch(verbs)
     return parser
 
 
@@ -145,6 +151,80 @@ def _add_measure(verbs: Any) -> None:
     parser.add_argument("--csv", metavar="FILE", help="write the distance of every joint in every frame, in mm")
 
 
+def _add_tune(verbs: Any) -> None:
+    parser = _add_verb(
+        verbs, "tune", "find the best FDF, b and n_d for a motion: the least bytes times DEF, or a target"
+    )
+    parser.add_argument("input", metavar="IN")
+    _add_skeleton(parser)
+    _add_encoder(parser)
+    parser.add_argument("--exhaustive", action="store_true", help="try every setting of the grid, as the paper does")
+    target = parser.add_mutually_exclusive_group()
+    for kind, what in TARGETS.items():
+        target.add_argument(f"--target-{kind}", metavar="V", type=_above_zero(f"--target-{kind}"), help=what)
+    parser.add_argument(
+        "--grid", choices=("paper", "wide"), help="the paper's own, or all there is; paper, but wide for a target"
+    )
+    _add_bounds(parser)
+    parser.add_argument("--any-size", action="store_true", help="allow files larger than the raw motion")
+    parser.add_argument("--state", metavar="FILE", help="keep what is found here, and go on from what is there")
+
+
+def _add_table(verbs: Any) -> None:
+    parser = _add_verb(verbs, "table", "print a table of the paper beside our figures for the same motions")
+    parser.add_argument("number", metavar="1|2", choices=("1", "2"))
+    parser.add_argument("--corpus", metavar="DIR", required=True, help="the folder with cmu_asfamc and cmu_derived")
+
+
+def _add_figure(verbs: Any) -> None:
+    parser = _add_verb(verbs, "figure", "draw Figure 5 (size over FDF) or 6 (error over FDF) of the paper")
+    parser.add_argument("number", metavar="5|6", choices=("5", "6"))
+    parser.add_argument("input", metavar="IN", nargs="?", help="the motion; Figure 5 without one is the paper's own")
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="a name that ends in .svg, .png or .pdf")
+    _add_skeleton(parser)
+    _add_encoder(parser, default="paper")
+
+
+def _add_batch(verbs: Any) -> None:
+    parser = _add_verb(verbs, "batch", "encode and measure many files with many settings; goes on where it was stopped")
+    parser.add_argument("inputs", metavar="IN", nargs="+", help="files, or folders whose motions are taken")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="the folder for batch.csv and the logs")
+    _add_skeleton(parser)
+    parser.add_argument(
+        "--encoder", metavar="E,…", type=_encoders, default=("closed",), help=f"of {', '.join(ENCODERS)} (closed)"
+    )
+    _add_bounds(parser)
+    _add_whole(parser, "--jobs", "N", low=1, help="processes (one a core)")
+    parser.add_argument("--cluster", metavar="tcp://HOST:PORT", help="use the workers of this Dask scheduler instead")
+    parser.add_argument("--plot", metavar="OUT", help="draw error over size; a name that ends in .svg, .png or .pdf")
+
+
+def _add_encoder(parser: ArgumentParser, default: str = "closed") -> None:
+    parser.add_argument("--encoder", choices=ENCODERS, default=default, help=f"({default})")
+    parser.add_argument("--k", metavar="K", type=_weight, default=math.inf, help="paper: table weights 1/l^K (inf)")
+    _add_whole(parser, "--rqt", "M", low=1, default=10000, help="paper: values are rounded to 1/M")
+
+
+def _add_bounds(parser: ArgumentParser) -> None:
+    parser.add_argument("--fdf", metavar="LIST", type=_wholes("--fdf", 0, MAX_COUNT), help="such as 0,6 or 1-26:5")
+    parser.add_argument("--bits", metavar="LIST", type=_wholes("--bits", 8, 16), help="such as 8-10")
+    parser.add_argument(
+        "--segments",
+        metavar="LIST",
+        type=_wholes("--segments", 0, MAX_COUNT),
+        help="such as 30-330:30,0; 0 = one for all",
+    )
+
+
+ENCODERS = tuple(str(encoder) for encoder in Encoder)
+TARGETS = {
+    "bytes": "least DEF in a payload of this many bytes",
+    "kbps": "least DEF at this many 1000 bits a second",
+    "def": "fewest bytes for this DEF",
+    "mean-mm": "fewest bytes for this mean distance",
+    "max-mm": "fewest bytes with no joint farther off in any frame",
+}
+
 _SEGMENT_HELP = "rows of a segment, 0 = one segment for all"
 
 
@@ -172,6 +252,40 @@ def _whole(option: str, low: int, high: int) -> Callable[[str], int]:
         return value
 
     return read
+
+
+_MOST_IN_LIST = 100_000
+
+
+def _wholes(option: str, low: int, high: int) -> Callable[[str], tuple[int, ...]]:
+    """Return the reader of whole numbers and ranges, "0,6,10-20:5", both ends of a range included."""
+    wanted = f"whole numbers from {low} " + (f"to {high}" if high < MAX_COUNT else "up") + ", such as 8,10-16:2"
+
+    def read(text: str) -> tuple[int, ...]:
+        found: list[int] = []
+        for part in text.split(","):
+            match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9})(?::(\d{1,9}))?)?", part.strip(), re.ASCII)
+            first, last, step = (int(group) if group else None for group in match.groups()) if match else (None,) * 3
+            if first is None or step == 0:
+                raise _bad_value(option, wanted, text)
+            values = range(first, (first if last is None else last) + 1, step or 1)
+            if not values or len(values) > _MOST_IN_LIST or values[0] < low or values[-1] > high:
+                raise _bad_value(option, wanted, text)
+            found += values
+        return tuple(dict.fromkeys(found))
+
+    return read
+
+
+def _encoders(text: str) -> tuple[str, ...]:
+    names = tuple(dict.fromkeys(text.split(",")))
+    if not set(names) <= set(ENCODERS):
+        raise _bad_value("--encoder", f"of {', '.join(ENCODERS)}", text)
+    return names
+
+
+def _above_zero(option: str) -> Callable[[str], float]:
+    return lambda text: _number(option, "a positive number", text, lambda value: 0 < value < math.inf)
 
 
 def _positive(text: str) -> float:

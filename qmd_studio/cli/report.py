@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from qmd_studio.errors import QmdStudioError
 
-Value: TypeAlias = str | int | float | None
+Value: TypeAlias = "str | int | float | Mapping[str, Value] | Sequence[Value] | None"
 
 
 @dataclass(frozen=True, slots=True)

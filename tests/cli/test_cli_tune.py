@@ -1,0 +1,99 @@
+"""`qmd tune`: the best settings, as a person and a program read them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from command_line import Qmd, write_walk
+from corpus import corpus_file
+
+BEST_KEYS = {
+    "encoder", "fdf", "bits", "segment", "bytes", "file_bytes", "merit", "def", "mean_mm", "p99_mm", "max_mm",
+    "worst_joint", "worst_frame", "velocity_mm_s", "acceleration_mm_s2",
+}  # fmt: skip
+
+
+@pytest.fixture
+def walk(tmp_path: Path) -> Path:
+    return write_walk(tmp_path, n_frames=150)
+
+
+def encoded(qmd: Qmd, walk: Path, best: dict) -> dict:
+    options = f"--fdf {best['fdf']} --bits {best['bits']} --segment {best['segment']} --encoder {best['encoder']}"
+    return qmd("encode", walk, walk.with_suffix(".qmd"), *options.split(), "--json").json
+
+
+@pytest.mark.parametrize("encoder", ["paper", "closed"])
+def test_the_best_is_what_encode_then_makes(qmd: Qmd, walk: Path, encoder: str) -> None:
+    outcome = qmd("tune", walk, "--encoder", encoder, "--grid", "wide", "--json")
+    assert outcome.code == 0
+    told = outcome.json
+    assert set(told) == {"evaluations", "seconds", "settings", "best"}
+    assert set(told["best"]) == BEST_KEYS
+    assert told["evaluations"] <= 120 < told["settings"]
+    made = encoded(qmd, walk, told["best"])
+    assert (made["payload_bytes"], made["bytes"]) == (told["best"]["bytes"], told["best"]["file_bytes"])
+    assert made["def"] == pytest.approx(told["best"]["def"])
+
+
+@pytest.mark.corpus
+def test_dance_gives_the_papers_row(qmd: Qmd) -> None:
+    dance = corpus_file("cmu_asfamc/05_03.amc")
+    told = qmd("tune", dance, "--encoder", "paper", "--exhaustive", "--json").json
+    assert (told["best"]["fdf"], told["best"]["bits"], told["best"]["segment"]) == (1, 8, 150)
+    assert told["evaluations"] == told["settings"]
+
+
+def test_bounds_can_be_set(qmd: Qmd, walk: Path) -> None:
+    bounds = ["--fdf", "2-8:3,10", "--bits", "9", "--segments", "40,0", "--exhaustive", "--any-size"]
+    told = qmd("tune", walk, *bounds, "--json").json
+    assert told["evaluations"] == 8
+    assert told["best"]["fdf"] in (2, 5, 8, 10)
+    assert told["best"]["bits"] == 9
+    text = qmd("tune", walk, *bounds).out
+    assert "FDF 2 … 10; b 9; n_d 40, 149 (one segment)" in text.replace(" … 149", ", 149")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "key"),
+    [("def", 0.05, "def"), ("mean-mm", 0.2, "mean_mm"), ("max-mm", 5, "max_mm"), ("bytes", 14_000, "bytes")],
+)
+def test_a_target_is_kept(qmd: Qmd, walk: Path, option: str, value: float, key: str) -> None:
+    told = qmd("tune", walk, f"--target-{option}", value, "--json").json
+    assert told["target"] == {"kind": option, "value": value, "met": True}
+    assert told["best"][key] <= value
+    assert encoded(qmd, walk, told["best"])["payload_bytes"] == told["best"]["bytes"]
+
+
+def test_a_target_that_cannot_be_met_is_answered_with_the_best(qmd: Qmd, walk: Path) -> None:
+    outcome = qmd("tune", walk, "--target-bytes", 10, "--json")
+    assert outcome.code == 0
+    assert outcome.json["target"]["met"] is False
+    assert (
+        outcome.json["best"]["bytes"]
+        == qmd.line("size --frames 149 --dofs 62 --fdf 0 --bits 8 --segment 0 --json").json["bytes"]
+    )
+    assert "cannot be met; the best is" in qmd("tune", walk, "--target-kbps", "0.1").out
+
+
+def test_state_is_kept_and_gone_on_with(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    state = tmp_path / "state.json"
+    first = qmd("tune", walk, "--exhaustive", "--state", state, "--json").json
+    second = qmd("tune", walk, "--exhaustive", "--state", state, "--json").json
+    assert first["evaluations"] == first["settings"]
+    assert (second["evaluations"], second["best"]) == (0, first["best"])
+
+
+@pytest.mark.parametrize(
+    "options",
+    ["--target-def 0", "--target-def x", "--fdf 5-2", "--bits 7", "--fdf 1-9:0", "--target-def 1 --target-kbps 1"],
+)
+def test_mistakes_of_usage_are_told(qmd: Qmd, walk: Path, options: str) -> None:
+    assert qmd("tune", walk, *options.split()).code == 2
+
+
+def test_a_grid_without_any_setting_is_told(qmd: Qmd, walk: Path) -> None:
+    outcome = qmd("tune", walk, "--bits", "16", "--segments", "30", "--json")
+    assert outcome.code == 1
+    assert "--any-size" in outcome.json["hint"]
