@@ -216,7 +216,8 @@ def _add_bounds(parser: ArgumentParser) -> None:
     )
 
 
-ENCODERS = tuple(str(encoder) for encoder in Encoder)
+ENCODERS = tuple(str(encoder) for encoder in Encoder if encoder is not Encoder.BOUNDED)
+"""What the searches may try: the bounded encoder chooses its settings itself."""
 TARGETS = {
     "bytes": "least DEF in a payload of this many bytes",
     "kbps": "least DEF at this many 1000 bits a second",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from qmd_studio.codecs.qmd.settings import Encoder
 
-PLAIN_CLOSED = Encoder.CLOSED
+PLAIN_CLOSED = Encoder.PLAIN
 """The closed loop that takes the nearest level, column by column."""
 
 FAST_ENCODERS = (Encoder.PAPER, PLAIN_CLOSED)

@@ -36,7 +36,6 @@ def test_decoded_values_are_those_of_the_codec(encoder, fdf, bits, segment):
     evaluator = FastEvaluator(motion, chosen)
     (ours,) = evaluator._paths(fdf, segment or motion.n_frames - 1, np.array([bits]))
     matrix = codec_matrix(motion)
-    levels = np.array(motion.skeleton.levels)
     origin, scale = (unit[:, np.newaxis] for unit in evaluator._units)
-    theirs = (encode_matrix(matrix, levels, chosen).decoded - origin) * scale
+    theirs = (encode_matrix(matrix, motion.skeleton, chosen).decoded - origin) * scale
     np.testing.assert_array_equal(ours, theirs)
