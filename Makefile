@@ -2,9 +2,10 @@
 #   make run [FILE=motion.bvh]   open the studio; without a screen, its main job on a virtual one, into out/
 #   make test                    lint, types, import contracts, all tests
 #   make bench                   the speed bars, as ratios, into tests/benchmarks/RESULTS.md
+#   make bench-codecs            size and error of every encoder over the corpus, into the same page (minutes)
 # PYTHON=… names the python3 (3.11 or newer) to build .venv with.
 
-.PHONY: run test bench lint clean pins
+.PHONY: run test bench bench-codecs lint clean pins
 .DEFAULT_GOAL := run
 
 bin := .venv/bin
@@ -27,6 +28,10 @@ lint:
 bench:
 	@.ci/setup bench
 	$(bin)/python tests/benchmarks/run.py
+
+bench-codecs:
+	@.ci/setup bench
+	$(bin)/python tests/benchmarks/run.py --codecs
 
 clean:
 	rm -rf .venv build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,0 +1,31 @@
+"""Compile what the studio compiles, once after an install, so that nobody waits for it at the first slider.
+
+Run as `python -m qmd_studio.tuning.warm_up`. Numba keeps the machine code beside the package or in the user's cache.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.motion.bap import bap_skeleton
+from qmd_studio.motion.fast_kinematics import world_from_joint_fast
+from qmd_studio.motion.kinematics import rest_values
+from qmd_studio.motion.motion import Motion
+from qmd_studio.tuning.session import TuningSession
+
+
+def warm_up(n_frames: int = 400) -> None:
+    """Encode, decode and measure a small motion with every encoder of the lab."""
+    skeleton = bap_skeleton()
+    steps = np.random.default_rng(0).normal(scale=1e-3, size=(n_frames, skeleton.n_columns))
+    motion = Motion(skeleton, rest_values(skeleton) + np.cumsum(steps, axis=0), 30.0)
+    world_from_joint_fast(skeleton, motion.X[:1])
+    session = TuningSession(motion)
+    for encoder in (Encoder.PAPER, Encoder.PLAIN, Encoder.CLOSED):
+        for draft in (True, False):
+            session.evaluate(QmdSettings(encoder=encoder), draft=draft).decoded  # noqa: B018  made when asked for
+
+
+if __name__ == "__main__":
+    warm_up()
