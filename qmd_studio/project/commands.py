@@ -14,7 +14,7 @@ from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import EditError
 from qmd_studio.motion.motion import FRAME_RATES
 from qmd_studio.project.clip import Clip
-from qmd_studio.project.state import DocumentState
+from qmd_studio.project.state import DocumentState, Side
 
 MAX_FPS = 1000.0
 METRES_PER_UNIT = (1e-6, 1e3)
@@ -91,20 +91,48 @@ class ActivateClip:
 
 @dataclass(frozen=True, slots=True)
 class SetCodecSettings:
-    """Set what Export QMD encodes with. `drag` names the slider that is being dragged."""
+    """Set what a side is encoded with, None for the original on side A; Export QMD writes side B.
 
-    settings: QmdSettings
+    `drag` names the slider that is being dragged.
+    """
+
+    settings: QmdSettings | None
     drag: str | None = None
+    side: Side = Side.B
     label: str = "Codec settings"
 
     @property
     def merge_key(self) -> Hashable | None:
         """The same slider is one drag."""
-        return None if self.drag is None else ("codec", self.drag)
+        return None if self.drag is None else ("codec", self.side, self.drag)
 
     def apply(self, state: DocumentState) -> DocumentState:
-        """Return the state with these settings."""
+        """Return the state with these settings; raises `EditError` for a side B that is not encoded."""
+        if self.side is Side.A:
+            return replace(state, codec_a=self.settings)
+        if self.settings is None:
+            raise EditError("side B is always encoded", hint="Let side A be the original")
         return replace(state, codec=self.settings)
+
+
+@dataclass(frozen=True, slots=True)
+class CopySettings:
+    """Give side `to` the settings of the other side."""
+
+    to: Side
+    merge_key: None = None
+
+    @property
+    def label(self) -> str:
+        """The change in a few words."""
+        return f"Copy settings to {self.to.upper()}"
+
+    def apply(self, state: DocumentState) -> DocumentState:
+        """Return the state with both sides alike; raises `EditError` where there is nothing to copy."""
+        settings = state.settings_of(self.to.other)
+        if settings is None:
+            raise EditError("side A is the original: it has no settings to copy", hint="Encode side A first")
+        return replace(state, codec=settings, codec_a=settings)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import EditError
 from qmd_studio.project.clip import Clip
 
 
+class Side(StrEnum):
+    """One of the two sides that the codec lab compares."""
+
+    A = "a"
+    """The original at first, or an encoding of it."""
+    B = "b"
+    """An encoding: the one that is exported."""
+
+    @property
+    def other(self) -> Side:
+        """The other side."""
+        return Side.B if self is Side.A else Side.A
+
+
 @dataclass(frozen=True, slots=True)
 class DocumentState:
-    """The clips, the key of the one that is shown (None where there is none), and the codec's settings.
+    """The clips, the key of the one that is shown (None where there is none), and the settings of both sides.
+
+    `codec` is what side B is encoded with, `codec_a` side A, None where A is the original.
 
     `next_key` is the key that the next clip gets: keys are never used twice, so that a command means the same clip
     whenever it is applied.
@@ -20,6 +37,7 @@ class DocumentState:
     clips: tuple[Clip, ...] = ()
     active: int | None = None
     codec: QmdSettings = field(default_factory=QmdSettings)
+    codec_a: QmdSettings | None = None
     next_key: int = 1
 
     @property
@@ -33,6 +51,10 @@ class DocumentState:
             if clip.key == key:
                 return clip
         raise EditError("there is no such clip", at=f"clip {key}", hint="It may have been closed")
+
+    def settings_of(self, side: Side) -> QmdSettings | None:
+        """Return what `side` is encoded with, None where it is the original."""
+        return self.codec if side is Side.B else self.codec_a
 
     def with_clip(self, clip: Clip) -> DocumentState:
         """Return this state with `clip` in the place of the clip of the same key; raises `EditError` without one."""

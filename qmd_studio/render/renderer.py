@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from OpenGL import GL
@@ -15,6 +16,7 @@ from qmd_studio.render.gl import Program, is_software, palette_rows, renderer_na
 from qmd_studio.render.heat import heat_colours, linear
 from qmd_studio.render.mesh import Mesh, UniformBlock, heat_rows
 from qmd_studio.render.overlay import Overlay
+from qmd_studio.render.panes import Pane
 from qmd_studio.render.quality import LADDER, Quality
 from qmd_studio.render.scene import GHOST_ALPHA, GHOST_GAP_M, GHOST_TINT, Actor, Scene
 from qmd_studio.render.shadow import shadow_map
@@ -71,25 +73,49 @@ class Renderer:
 
         Raises `FormatError` for an actor with more joints than the driver's uniform blocks hold.
         """
+        panes = (Pane(scene),)
+        self.draw_panes(panes, camera, size, framebuffer=framebuffer, quality=quality, pixel_ratio=pixel_ratio)
+
+    def draw_panes(
+        self,
+        panes: Sequence[Pane],
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        framebuffer: int = 0,
+        quality: Quality = LADDER[2],
+        pixel_ratio: float = 1.0,
+    ) -> None:
+        """Draw `panes`, which together cover the picture, as `draw` does one scene; all through the one camera."""
         size = (max(size[0], 1), max(size[1], 1))
-        theme = DARK if scene.dark else LIGHT
-        aspect = size[0] / size[1]
-        clip_from_world = camera.projection(aspect, scene.radius()) @ camera.view()
         self._bind_target(size, quality)
+        target = self._target
+        assert target is not None
+        GL.glDisable(GL.GL_SCISSOR_TEST)
         GL.glDepthMask(True)
         GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
         GL.glEnable(GL.GL_MULTISAMPLE)
         GL.glDisable(GL.GL_CULL_FACE)
-        self._draw_sky(theme, aspect)
-        self._draw_actors(scene, camera, clip_from_world, gloss=quality.gloss)
-        if scene.show_ground:
-            self._draw_ground(scene, camera, clip_from_world)
-        self._draw_ghosts(scene, camera, clip_from_world, gloss=quality.gloss)
-        assert self._target is not None
-        self._target.show(framebuffer, size)
-        self._draw_marks(scene, camera, (size[0] / pixel_ratio, size[1] / pixel_ratio))
+        for pane in panes:
+            width = _look_at(pane, target.size)
+            self._draw_scene(pane.scene, camera, width / target.size[1], gloss=quality.gloss)
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        target.show(framebuffer, size)
+        for pane in panes:
+            width = _look_at(pane, size)
+            self._draw_marks(pane.scene, camera, (width / pixel_ratio, size[1] / pixel_ratio), triad=pane is panes[-1])
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        GL.glViewport(0, 0, *size)
         GL.glBindVertexArray(0)
         GL.glUseProgram(0)
+
+    def _draw_scene(self, scene: Scene, camera: Camera, aspect: float, *, gloss: bool) -> None:
+        clip_from_world = camera.projection(aspect, scene.radius()) @ camera.view()
+        self._draw_sky(DARK if scene.dark else LIGHT, aspect)
+        self._draw_actors(scene, camera, clip_from_world, gloss=gloss)
+        if scene.show_ground:
+            self._draw_ground(scene, camera, clip_from_world)
+        self._draw_ghosts(scene, camera, clip_from_world, gloss=gloss)
 
     def wait(self) -> None:
         """Wait until the driver has drawn everything, so that a frame's time can be told."""
@@ -236,11 +262,12 @@ class Renderer:
             ghost=float(actor.ghost),
             nudge=GHOST_GAP_M if actor.ghost else 0.0,
             heated=actor.heat is not None,
+            only_hot=float(actor.only_hot),
             selected=_joint_of(scene.selected, number),
             hovered=_joint_of(scene.hovered, number),
         )
 
-    def _draw_marks(self, scene: Scene, camera: Camera, size: tuple[float, float]) -> None:
+    def _draw_marks(self, scene: Scene, camera: Camera, size: tuple[float, float], *, triad: bool) -> None:
         theme = DARK if scene.dark else LIGHT
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glEnable(GL.GL_BLEND)
@@ -250,7 +277,7 @@ class Renderer:
             at = camera.project(scene.actors[actor].joint_positions()[joint], size[0] / size[1])[0]
             if np.isfinite(at).all():
                 self._overlay.ring((at + 1) / 2 * size, size, theme.accent)
-        if scene.show_axes:
+        if scene.show_axes and triad:
             self._overlay.triad(camera, size, theme)
 
     def _mesh(self, surface: Surface) -> Mesh:
@@ -267,8 +294,18 @@ class Renderer:
             self._meshes.pop(key)[1].release()
 
 
+def _look_at(pane: Pane, size: tuple[int, int]) -> int:
+    """Draw over the pane's window of a picture of `size` pixels, where it is shown; return the window's width."""
+    left, right = (round(share * size[0]) for share in pane.window)
+    from_, to = (round(share * size[0]) for share in pane.shown)
+    GL.glViewport(left, 0, max(right - left, 1), size[1])
+    GL.glEnable(GL.GL_SCISSOR_TEST)
+    GL.glScissor(from_, 0, max(to - from_, 0), size[1])
+    return max(right - left, 1)
+
+
 def _is_translucent(actor: Actor) -> bool:
-    return actor.ghost or actor.alpha < 1.0
+    return actor.ghost or actor.only_hot or actor.alpha < 1.0
 
 
 def _joint_of(mark: tuple[int, int] | None, actor: int) -> int:

@@ -24,7 +24,8 @@ class Actor:
 
     `tint` (linear 0 to 1) colours the body, `alpha` below 1 lets the scene show through; a ghost is translucent with a
     brighter rim, casts no shadow, and shows only where it leaves the solid bodies by more than `GHOST_GAP_M`. `heat`
-    (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN leaves a joint as it is.
+    (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN leaves a joint as it is. Where `only_hot`,
+    skin without heat is not seen at all.
     """
 
     body: Body
@@ -33,6 +34,7 @@ class Actor:
     alpha: float = 1.0
     ghost: bool = False
     heat: FloatArray | None = None
+    only_hot: bool = False
 
     def joint_positions(self) -> FloatArray:
         """Return the joints' positions (n_joints, 3), metres."""
@@ -83,3 +85,15 @@ def posed_extremes(actor: Actor) -> FloatArray:
     """Return the joints and a thinned cloud of the posed surface, (n, 3) metres."""
     stride = max(1, len(actor.body.surface.vertices) // 600)
     return np.concatenate([actor.joint_positions(), posed_vertices(actor, stride)])
+
+
+def limb_points(actor: Actor, joint: int) -> FloatArray:
+    """Return points (n, 3) about a joint and all that hangs from it, metres, with some room around them."""
+    inside = {joint}
+    for index, other in enumerate(actor.body.skeleton.joints):
+        if other.parent in inside:
+            inside.add(index)
+    positions = actor.joint_positions()
+    reach = 0.06 * float(np.ptp(positions, axis=0).max())
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * reach
+    return np.asarray((positions[sorted(inside)][:, None] + corners).reshape(-1, 3))

@@ -45,6 +45,20 @@ class SizeFigures:
         return self.payload.bytes * 8 / 1000 / self.duration_s
 
 
+@dataclass(frozen=True, slots=True)
+class RawFigures:
+    """What the motion matrix takes as float32, the paper's "original"."""
+
+    bytes: int
+    kbit_s: float
+
+
+def raw_figures(motion: Motion) -> RawFigures:
+    """Return the figures of the motion as it is."""
+    raw_bytes = motion.n_frames * motion.skeleton.n_columns * _FLOAT_BYTES
+    return RawFigures(raw_bytes, raw_bytes * 8 / 1000 / motion.duration_s)
+
+
 def size_figures(motion: Motion, settings: QmdSettings) -> SizeFigures:
     """Return the figures of `settings` (checked for this motion) from the closed form."""
     n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns

@@ -40,6 +40,10 @@ class ChoiceBar(QWidget):
         """The key of the way that is chosen."""
         return next(key for key, button in self._buttons.items() if button.isChecked())
 
+    def offers(self, key: str) -> bool:
+        """Say whether `key` is one of the ways."""
+        return key in self._buttons
+
     def button(self, key: str) -> QToolButton:
         """Return the button of a way."""
         return self._buttons[key]

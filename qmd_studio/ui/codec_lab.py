@@ -2,47 +2,55 @@
 
 from __future__ import annotations
 
+from threading import Event
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
-from qmd_studio.errors import QmdStudioError
+from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.errors import CodecError, QmdStudioError
+from qmd_studio.motion.metrics import MotionError, measure
 from qmd_studio.project.clip import Clip
-from qmd_studio.project.commands import SetCodecSettings
+from qmd_studio.project.commands import CopySettings, SetCodecSettings
 from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
-from qmd_studio.project.state import DocumentState
-from qmd_studio.tuning.size_figures import size_figures
-from qmd_studio.ui.choice_bar import Choice, ChoiceBar
+from qmd_studio.project.state import DocumentState, Side
+from qmd_studio.ui.background import Background, Tell, Work
 from qmd_studio.ui.codec_lab_export import AskPath, ExportBar
-from qmd_studio.ui.codec_lab_figures import Figures
+from qmd_studio.ui.codec_lab_head import SideHead
 from qmd_studio.ui.codec_lab_knobs import Knobs
+from qmd_studio.ui.codec_lab_plots import PlotPanel
+from qmd_studio.ui.codec_lab_side import SideMeter
+from qmd_studio.ui.codec_lab_views import ViewBar
+from qmd_studio.ui.codec_lab_work import paper_optimum_work
 from qmd_studio.ui.levels_dialog import LevelsDialog
 from qmd_studio.ui.notice import Notice
-from qmd_studio.ui.size_bar import SizeBreakdownView
-from qmd_studio.ui.tuning_worker import TuningWorker
+from qmd_studio.ui.side_words import side_words
+from qmd_studio.ui.target_dialog import target_dialog
 
 if TYPE_CHECKING:
+    from qmd_studio.tuning.outcome import Outcome
     from qmd_studio.tuning.report import EncodeReport
-
-VIEW_MODES = ("original", "overlay", "decoded")
-"""What the viewport shows of the clip, in the order of Alt+1, 2, 3."""
 
 
 class CodecLab(QWidget):
     """The contents of the codec lab dock. It reads the document, changes it by commands, and measures on its own.
 
-    `view_mode_changed` carries one of `VIEW_MODES`. `report_ready` carries the `EncodeReport` of the settings that are
-    shown, `report_cleared` says that the last one belongs to another clip. `reopen_wanted` carries the path of an
-    exported file that the user wants to open.
+    `view_chosen` carries a `View`, `heat_toggled` whether the error is painted on the body. `side_measured` carries a
+    `Side` and its `EncodeReport`, `side_cleared` the side that has none any more; `difference_measured` carries the
+    `MotionError` of B against A, `difference_cleared` says that it is not known. `sides_named` carries what A and B
+    are. `reopen_wanted` carries the path of an exported file that the user wants to open.
     """
 
-    view_mode_changed = Signal(str)
-    report_ready = Signal(object)
-    report_cleared = Signal()
+    view_chosen = Signal(object)
+    heat_toggled = Signal(bool)
+    side_measured = Signal(object, object)
+    side_cleared = Signal(object)
+    difference_measured = Signal(object)
+    difference_cleared = Signal()
+    sides_named = Signal(str, str)
     reopen_wanted = Signal(object)
 
     def __init__(
@@ -57,12 +65,13 @@ class CodecLab(QWidget):
         self.setObjectName("CodecLab")
         self._document, self._playhead = document, playhead
         self._clip: Clip | None = None
-        self._settings: QmdSettings | None = None
-        self.report: EncodeReport | None = None
-        self.worker = TuningWorker(self)
-        self.knobs, self.figures, self.breakdown = Knobs(self), Figures(self), SizeBreakdownView(self)
+        self._copied = ""
+        self.head, self.knobs = SideHead(self), Knobs(self)
+        self.sides = {side: SideMeter(side, self) for side in Side}
+        self.difference, self.optimum = Background("difference", self), Background("optimum", self)
         self.problem, self.export_bar = Notice(self), ExportBar(ask_path, self)
-        self.view = ChoiceBar(self.tr("View"), self._views(), self)
+        self.note = Notice(self)
+        self.view, self.plots = ViewBar(self), PlotPanel(self)
         self._pages = QStackedLayout(self)
         self._pages.addWidget(self._empty_page())
         self._pages.addWidget(self._work_page())
@@ -70,15 +79,23 @@ class CodecLab(QWidget):
         self._show(document.state)
 
     @property
-    def view_mode(self) -> str:
-        """What the viewport shows: one of `VIEW_MODES`."""
-        return self.view.choice
+    def report(self) -> EncodeReport | None:
+        """What is known of side B, the one that is exported."""
+        return self.sides[Side.B].report
 
-    def set_view_mode(self, mode: str) -> None:
-        """Show `mode`, one of `VIEW_MODES`."""
-        if mode != self.view.choice:
-            self.view.show_choice(mode)
-            self.view_mode_changed.emit(mode)
+    @property
+    def pending(self) -> bool:
+        """Whether anything is still being measured."""
+        return any(meter.worker.pending for meter in self.sides.values()) or self.difference.running
+
+    def name_sides(self) -> None:
+        """Tell what A and B are."""
+        self.sides_named.emit(*(side_words(side, meter.settings) for side, meter in self.sides.items()))
+
+    def edit_side(self, side: Side) -> None:
+        """Show the knobs of `side`."""
+        self._document.end_merge()
+        self._show_head(self._document.state, side)
 
     def export(self) -> None:
         """Write the very bytes that were measured beside the clip's own file: what the button does."""
@@ -96,85 +113,153 @@ class CodecLab(QWidget):
     def close_down(self) -> None:
         """Stop measuring and listening, before the window goes."""
         self._document.changed.disconnect(self._show, missing_ok=True)
-        self.worker.close()
+        self.difference.close()
+        self.optimum.close()
+        self.plots.close_down()
+        for meter in self.sides.values():
+            meter.worker.close()
 
     def _show(self, state: DocumentState) -> None:
         clip = state.active_clip
+        if self._document.undo_text != self._copied and not self.optimum.running:
+            self.note.clear()  # its Undo would take back something else
         self._pages.setCurrentIndex(0 if clip is None else 1)
         if clip is None:
             self._leave()
             return
-        same_motion = self._clip is not None and clip.motion is self._clip.motion
-        if not same_motion:
-            self._forget()
+        if self._clip is None or clip.motion is not self._clip.motion:
+            self.difference.cancel()
+            self.optimum.cancel()
+            self.difference_cleared.emit()
+            self.note.clear()
+        self._clip = clip
         self.export_bar.show_clip(clip)
-        settings = self._fitted(clip, state.codec)
-        unchanged = same_motion and settings == self._settings
-        self._clip, self._settings = clip, settings
-        if settings is not None and not unchanged:
-            self._show_settings(clip, settings)
+        changed = [self._show_side(clip, side, state.settings_of(side)) for side in Side]
+        self._show_head(state, self.head.side)
+        if any(changed):
+            self._compare()
 
-    def _fitted(self, clip: Clip, settings: QmdSettings) -> QmdSettings | None:
-        n_columns = clip.motion.skeleton.n_columns
-        try:
-            return settings.fitted(n_columns).checked(n_columns, clip.motion.n_frames - 1)
-        except QmdStudioError as problem:
-            self._fail(problem)
-            return None
+    def _show_side(self, clip: Clip, side: Side, settings: QmdSettings | None) -> bool:
+        meter = self.sides[side]
+        changed = meter.show_settings(clip, settings, draft=self.knobs.held)
+        if changed and side is Side.B:
+            self.export_bar.forget_report()
+        return changed
 
-    def _show_settings(self, clip: Clip, settings: QmdSettings) -> None:
-        self.knobs.show_settings(clip.motion, settings)
-        try:
-            size = size_figures(clip.motion, settings)
-        except QmdStudioError as problem:
-            self._fail(problem)
-            return
-        self.figures.show_size(size)
-        self.breakdown.show_size(size)
-        self.export_bar.forget_report()
-        self.figures.wait()
-        self.worker.request(clip.motion, settings, draft=self.knobs.held)
+    def _show_head(self, state: DocumentState, side: Side) -> None:
+        self.head.show_sides(side, state.codec_a, state.codec)
+        settings = self.sides[side].settings
+        if self._clip is not None:
+            self.plots.show_motion(self._clip.motion, settings)
+            self._mark_plots()
+        self.knobs.setVisible(settings is not None)
+        if settings is not None and self._clip is not None:
+            self.knobs.show_settings(self._clip.motion, settings)
+        self.name_sides()
 
-    def _measured(self, report: EncodeReport) -> None:
-        self.report = report
+    def _mark_plots(self) -> None:
+        self.plots.show_marks({side: (meter.settings, meter.report) for side, meter in self.sides.items()})
+
+    def _measured(self, side: Side, report: EncodeReport) -> None:
         self.problem.clear()
-        self.figures.show_report(report)
-        self.report_ready.emit(report)
-        if not report.draft:
+        self.side_measured.emit(side, report)
+        if side is Side.B and self.sides[side].exact:
             self.export_bar.take_report(report)
-        elif not self.knobs.held:
-            self._finish()
+        if report.draft and not self.knobs.held:
+            self.sides[side].finish()
+        self._mark_plots()
+        self._compare()
+
+    def _fail_search(self, problem: QmdStudioError) -> None:
+        self.note.clear()
+        self.problem.say_error(self.tr("The search has failed"), problem)
+
+    def _compare(self) -> None:
+        """Say how the sides compare, and have it measured how far B is from A."""
+        a, b = self.sides[Side.A], self.sides[Side.B]
+        a.figures.compare(b.figures)
+        b.figures.compare(a.figures)
+        if a.is_original and b.report is not None:
+            self.difference.cancel()
+            self.difference_measured.emit(b.report.error)
+        elif a.up_to_date and b.up_to_date:
+            self.difference.run(difference_of(a.report, b.report))
+
+    def _fail(self, side: Side, problem: QmdStudioError) -> None:
+        title = self.tr("The settings of side {side} could not be measured").format(side=side.upper())
+        self.problem.say_error(title, problem)
+        if side is Side.B:
+            self.export_bar.take_failure()
 
     def _finish(self) -> None:
-        """Have the settings measured that a held slider was left at, if only their draft is there."""
-        if self._clip is not None and self._settings is not None and self._drafted:
-            self.worker.request(self._clip.motion, self._settings)
+        for meter in self.sides.values():
+            meter.finish()
 
-    @property
-    def _drafted(self) -> bool:
-        return self.report is not None and self.report.draft and not self.worker.pending
-
-    def _fail(self, problem: QmdStudioError) -> None:
-        self.worker.cancel()
-        self._forget()
-        self.problem.say_error(self.tr("These settings could not be measured"), problem)
-        self.export_bar.take_failure()
-
-    def _forget(self) -> None:
-        self.figures.show_nothing()
-        self.problem.clear()
-        if self.report is not None:
-            self.report = None
-            self.report_cleared.emit()
+    def _clear(self, side: Side) -> None:
+        self.side_cleared.emit(side)
+        if side is Side.B:
+            self.difference.cancel()
+            self.difference_cleared.emit()
 
     def _leave(self) -> None:
-        self.worker.cancel()
-        self._clip = self._settings = None
-        self._forget()
+        self._clip = None
+        self.plots.show_motion(None, None)
+        for meter in self.sides.values():
+            meter.leave()
+        self.difference.cancel()
+        self.problem.clear()
+        self.note.clear()
         self.export_bar.show_clip(None)
 
     def _change(self, settings: QmdSettings, knob: str) -> None:
-        self._document.execute(SetCodecSettings(settings, drag=knob))
+        self._document.execute(SetCodecSettings(settings, drag=knob, side=self.head.side))
+
+    def _load(self, settings: QmdSettings) -> None:
+        """Give the side whose knobs are shown these settings."""
+        self._document.end_merge()
+        if self.knobs.encoder.offers(str(settings.encoder)):
+            self._document.execute(SetCodecSettings(settings, side=self.head.side))
+            return
+        hint = self.tr("Encode with it from the command line: qmd encode")
+        problem = CodecError(self.tr("the lab has no such encoder"), got=str(settings.encoder), hint=hint)
+        self.problem.say_error(self.tr("These settings could not be loaded"), problem)
+
+    def _find_optimum(self) -> None:
+        """Look for what the paper's exhaustive search comes to, and load it."""
+        if self._clip is not None:
+            self.note.say("info", self.tr("Trying the paper's grid…"), links=(("stop", self.tr("Stop")),))
+            self.optimum.run(paper_optimum_work(self._clip.motion, QmdSettings(encoder=Encoder.PAPER)))
+
+    def _take_optimum(self, outcome: Outcome) -> None:
+        self.note.clear()
+        if outcome.best is not None:
+            self._load(outcome.best.settings)
+
+    def open_target(self) -> None:
+        """Ask for a size or an error, and find the settings for it."""
+        if self._clip is not None:
+            settings = self.sides[self.head.side].settings or QmdSettings()
+            dialog = target_dialog(self._clip.motion, settings, self)
+            dialog.settings_wanted.connect(self._load)
+            dialog.open()
+
+    def _choose_source(self, encoded: bool) -> None:
+        self._document.end_merge()
+        settings = QmdSettings(encoder=Encoder.PAPER) if encoded else None
+        self._document.execute(SetCodecSettings(settings, side=Side.A))
+
+    def _copy(self, to: Side) -> None:
+        command = CopySettings(to)
+        self._document.execute(command)
+        self._copied = command.label
+        text = self.tr("Side {to} has the settings of side {other}").format(to=to.upper(), other=to.other.upper())
+        self.note.say("info", text, links=(("undo", self.tr("Undo")),))
+
+    def _follow_link(self, key: str) -> None:
+        self.note.clear()
+        self.optimum.cancel()
+        if key == "undo":
+            self._document.undo()
 
     def _go_to_frame(self, frame: int) -> None:
         self._playhead.playing = False
@@ -185,19 +270,28 @@ class CodecLab(QWidget):
         self.knobs.changed.connect(self._change)
         self.knobs.settled.connect(self._document.end_merge)
         self.knobs.settled.connect(self._finish)
-        self.worker.measured.connect(self._measured)
-        self.worker.failed.connect(self._fail)
-        self.figures.frame_wanted.connect(self._go_to_frame)
-        self.view.chosen.connect(self.view_mode_changed)
+        self.head.side_chosen.connect(self.edit_side)
+        self.head.source_chosen.connect(self._choose_source)
+        self.head.copy_wanted.connect(self._copy)
+        self.note.link.connect(self._follow_link)
+        for side, meter in self.sides.items():
+            meter.measured.connect(lambda report, side=side: self._measured(side, report))
+            meter.cleared.connect(lambda side=side: self._clear(side))
+            meter.failed.connect(lambda problem, side=side: self._fail(side, problem))
+            meter.figures.frame_wanted.connect(self._go_to_frame)
+        self.head.presets.chosen.connect(self._load)
+        self.head.presets.optimum_wanted.connect(self._find_optimum)
+        self.head.presets.failed.connect(lambda problem: self.problem.say_error(self.tr("Not saved"), problem))
+        self.optimum.ended.connect(self._take_optimum)
+        self.optimum.failed.connect(self._fail_search)
+        self.plots.target_wanted.connect(self.open_target)
+        self.plots.failed.connect(self._fail_search)
+        self.plots.settings_wanted.connect(self._load)
+        self.difference.ended.connect(self.difference_measured)
+        self.view.chosen.connect(self.view_chosen)
+        self.view.heat_toggled.connect(self.heat_toggled)
         self.knobs.levels_wanted.connect(self.open_levels)
         self.export_bar.reopen_wanted.connect(self.reopen_wanted)
-
-    def _views(self) -> tuple[Choice, ...]:
-        return (
-            Choice("original", self.tr("Original"), self.tr("Show the clip as it is (Alt+1)")),
-            Choice("overlay", self.tr("Overlay"), self.tr("Show the decoded motion as a ghost over the clip (Alt+2)")),
-            Choice("decoded", self.tr("Decoded"), self.tr("Show what a player of the QMD file shows (Alt+3)")),
-        )
 
     def _empty_page(self) -> QWidget:
         page = QWidget(self)
@@ -223,6 +317,8 @@ class CodecLab(QWidget):
         page = QWidget(self)
         foot = QVBoxLayout()
         foot.setContentsMargins(12, 8, 12, 12)
+        foot.setSpacing(8)
+        foot.addWidget(self.view)
         foot.addWidget(self.export_bar)
         layout = QVBoxLayout(page)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -237,8 +333,15 @@ class CodecLab(QWidget):
         layout = QVBoxLayout(content)
         layout.setContentsMargins(12, 12, 12, 12)
         layout.setSpacing(12)
-        parts = (self.knobs, _line(content), self.figures, self.problem, self.breakdown, _line(content), self.view)
-        for widget in parts:
+        figures = QHBoxLayout()
+        figures.setSpacing(16)
+        for side in Side:
+            figures.addWidget(self.sides[side].figures, 1)
+        for widget in (self.head, self.note, self.knobs, _line(content)):
+            layout.addWidget(widget)
+        layout.addLayout(figures)
+        breakdowns = [self.sides[side].breakdown for side in Side]
+        for widget in (self.problem, *breakdowns, _line(content), self.plots):
             layout.addWidget(widget)
         layout.addStretch(1)
         area = QScrollArea(page)
@@ -256,3 +359,12 @@ def _line(parent: QWidget) -> QFrame:
     line.setAutoFillBackground(True)
     line.setBackgroundRole(QPalette.ColorRole.Mid)
     return line
+
+
+def difference_of(a: EncodeReport, b: EncodeReport) -> Work:
+    """Return the work that measures how far what `b` plays is from what `a` plays."""
+
+    def measured(_stop: Event, _tell: Tell) -> MotionError:
+        return measure(a.decoded, b.decoded)
+
+    return measured

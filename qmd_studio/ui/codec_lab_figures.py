@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
-from qmd_studio.tuning.size_figures import SizeFigures
+from qmd_studio.project.state import Side
+from qmd_studio.tuning.size_figures import RawFigures, SizeFigures
 from qmd_studio.ui.elided_label import ElidedLabel
-from qmd_studio.ui.quantity import exact_bytes, kilobytes, millimetres, significant, tabular
+from qmd_studio.ui.quantity import against, exact_bytes, kilobytes, millimetres, significant, tabular
 
 if TYPE_CHECKING:
     from qmd_studio.tuning.report import EncodeReport
@@ -23,12 +24,14 @@ _NONE = "–"
 
 
 class Figure(QWidget):
-    """One figure: the value in large type, its name below, a remark under both."""
+    """One figure: its name and how it compares with the other side, the value in large type, a remark below."""
 
     def __init__(self, name: str, tip: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.value, self.remark = QLabel(_NONE, self), ElidedLabel(self)
-        self.name = QLabel(name, self)
+        self.name, self.change = QLabel(name, self), QLabel(self)
+        self.change.setFont(tabular(self.font()))
+        self.change.setToolTip(self.tr("Against the other side: ▼ is less, ▲ is more"))
         self.value.setFont(tabular(self.font(), scale=_LARGE, bold=True))
         self.remark.setFont(tabular(self.font()))
         self.name.setProperty("muted", True)
@@ -38,7 +41,13 @@ class Figure(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        for widget in (self.name, self.value, self.remark):
+        head = QHBoxLayout()
+        head.setSpacing(4)
+        head.addWidget(self.name)
+        head.addStretch(1)
+        head.addWidget(self.change)
+        layout.addLayout(head)
+        for widget in (self.value, self.remark):
             layout.addWidget(widget)
 
     def show_value(self, value: str, remark: str = "") -> None:
@@ -58,8 +67,12 @@ class Figures(QWidget):
 
     frame_wanted = Signal(int)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, side: Side = Side.B, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)  # two columns, alike
+        self.setAccessibleName(self.tr("Figures of side {side}").format(side=side.upper()))
+        self.numbers: tuple[float | None, float | None, float | None, float | None] = (None, None, None, None)
+        """Bytes of the payload, DEF, mean and worst mm, where they are known."""
         self._worst_frame: int | None = None
         self.size = Figure(self.tr("Payload"), self._size_tip(), self)
         self.def_ = Figure(self.tr("DEF"), self._def_tip(), self)
@@ -74,16 +87,33 @@ class Figures(QWidget):
 
     def show_size(self, size: SizeFigures) -> None:
         """Show the size, which is known before anything is encoded."""
-        remark = self.tr("{percent:.0f} % of raw, {rate:.0f} kbit/s")
+        self.numbers = (size.payload.bytes, *self.numbers[1:])
+        remark = self.tr("{percent:.0f} %, {rate:.0f} kbit/s")
         self.size.show_value(
             kilobytes(size.payload.bytes), remark.format(percent=size.percent_of_raw, rate=size.kbit_s)
         )
         self.size.setToolTip(self._size_tip(size))
 
-    def show_report(self, report: EncodeReport) -> None:
-        """Show what was measured."""
+    def show_original(self, raw: RawFigures) -> None:
+        """Show that this side is the motion as it is: the raw matrix, without error."""
+        self.show_nothing()
+        self.numbers = (raw.bytes, 0.0, 0.0, 0.0)
+        self.size.show_value(kilobytes(raw.bytes), self.tr("raw, {rate:.0f} kbit/s").format(rate=raw.kbit_s))
+        self.size.setToolTip(self._size_tip())
+        self.def_.show_value("0")
+        for figure in (self.mean, self.worst):
+            figure.show_value(millimetres(0.0))
+
+    def compare(self, other: Figures) -> None:
+        """Say how each figure compares with that of the `other` side, which may be the original: only size then."""
+        for figure, ours, theirs in zip(self._all(), self.numbers, other.numbers, strict=True):
+            figure.change.setText(against(ours, theirs))
+
+    def show_report(self, report: EncodeReport, *, stale: bool = False) -> None:
+        """Show what was measured; `stale` where the settings have gone on since."""
         error = report.error
         self._settle()
+        self.numbers = (self.numbers[0], error.def_, error.mean_mm, error.max_mm)
         self.def_.show_value(significant(error.def_), self.tr("ASF units of 56.4 mm"))
         self.mean.show_value(
             millimetres(error.mean_mm), self.tr("99 % within {p99}").format(p99=millimetres(error.p99_mm))
@@ -91,6 +121,8 @@ class Figures(QWidget):
         self.worst.show_value(millimetres(error.max_mm))
         self._worst_frame = error.worst_frame
         self._name_worst(self.tr("{joint}, frame {frame}").format(joint=error.worst_joint, frame=error.worst_frame))
+        if stale:
+            self.wait()
 
     def wait(self) -> None:
         """Dim the errors until the next report; say so where it takes long."""
@@ -102,6 +134,7 @@ class Figures(QWidget):
     def show_nothing(self) -> None:
         """Show that there is no measurement: none was made or it failed."""
         self._settle()
+        self.numbers = (self.numbers[0], None, None, None)
         for figure in self._measured():
             figure.show_value(_NONE)
         self._worst_frame = None
@@ -115,6 +148,9 @@ class Figures(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._name_worst(self.go.property("whole") or "")
+
+    def _all(self) -> tuple[Figure, ...]:
+        return self.size, *self._measured()
 
     def _measured(self) -> tuple[Figure, ...]:
         return self.def_, self.mean, self.worst
@@ -150,15 +186,12 @@ class Figures(QWidget):
             self.frame_wanted.emit(self._worst_frame)
 
     def _lay_out(self) -> None:
-        layout = QGridLayout(self)
+        layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.setHorizontalSpacing(12)
-        layout.setVerticalSpacing(12)
-        for place, figure in enumerate((self.size, self.def_, self.mean, self.worst)):
-            layout.addWidget(figure, place // 2, place % 2, Qt.AlignmentFlag.AlignTop)
-        for side in (0, 1):
-            layout.setColumnStretch(side, 1)
-            layout.setColumnMinimumWidth(side, 100)
+        layout.setSpacing(8)
+        for figure in self._all():
+            layout.addWidget(figure)
+        layout.addStretch(1)
 
     def _size_tip(self, size: SizeFigures | None = None) -> str:
         tip = self.tr(

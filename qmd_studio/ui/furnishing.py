@@ -6,13 +6,16 @@ import threading
 from typing import TYPE_CHECKING
 
 from qmd_studio.motion.kinematics import rest_values
+from qmd_studio.project.state import Side
 from qmd_studio.ui.codec_lab import CodecLab
 from qmd_studio.ui.codec_lab_export import ask_for_path
+from qmd_studio.ui.comparison import Comparison
 from qmd_studio.ui.error_strip import ErrorStrip
 from qmd_studio.ui.panels import LAB_MIN_WIDTH
-from qmd_studio.ui.stage import Overlay, Stage
+from qmd_studio.ui.stage import Stage, Take
 
 if TYPE_CHECKING:
+    from qmd_studio.motion.metrics import MotionError
     from qmd_studio.tuning.report import EncodeReport
     from qmd_studio.ui.main_window import MainWindow
 
@@ -48,20 +51,36 @@ def _bring_lab(window: MainWindow) -> None:
     window.lab_dock.setWidget(lab)
     window.timeline.set_strip(strip)
 
-    def show_report(report: EncodeReport) -> None:
-        window.stage.show_decoded(lambda: report.decoded)
-        window.status.show_figures(report.file_bytes, report.error.def_)
-        strip.show_error(report.error)
-        window.enable_verbs()
+    comparison = window.views.comparison = Comparison(window.viewport, window.stage, window)
+    comparison.set_dark(window.themes.dark)
 
-    def clear_report() -> None:
-        window.stage.show_decoded(None)
-        window.status.clear_figures()
+    def show_side(side: Side, report: EncodeReport) -> None:
+        window.stage.show_side(side, Take(lambda: report.decoded, report.error.distance_mm))
+        if side is Side.B:
+            window.status.show_figures(report.file_bytes, report.error.def_)
+        window.views.follow()
+
+    def clear_side(side: Side) -> None:
+        window.stage.show_side(side, None)
+        if side is Side.B:
+            window.status.clear_figures()
+        window.views.follow()
+
+    def show_difference(error: MotionError) -> None:
+        window.stage.show_difference(error.distance_mm)
+        strip.show_error(error)
+
+    def clear_difference() -> None:
+        window.stage.show_difference(None)
         strip.clear()
-        window.enable_verbs()
 
-    lab.report_ready.connect(show_report)
-    lab.report_cleared.connect(clear_report)
-    lab.view_mode_changed.connect(lambda mode: window.show_overlay(Overlay(mode)))
+    lab.side_measured.connect(show_side)
+    lab.side_cleared.connect(clear_side)
+    lab.difference_measured.connect(show_difference)
+    lab.difference_cleared.connect(clear_difference)
+    lab.sides_named.connect(comparison.name_sides)
+    lab.view_chosen.connect(window.views.show_view)
+    lab.heat_toggled.connect(window.views.show_heat)
     lab.reopen_wanted.connect(lambda path: window.open_paths([path]))
-    window.show_overlay(Overlay(lab.view_mode))
+    lab.name_sides()
+    window.views.show_view(window.stage.view)

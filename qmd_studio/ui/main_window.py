@@ -32,11 +32,12 @@ from qmd_studio.ui.outliner import Outliner
 from qmd_studio.ui.panels import LAB_MIN_WIDTH, arrange, dock, scrolling
 from qmd_studio.ui.player import Player
 from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
-from qmd_studio.ui.stage import Overlay, Stage
+from qmd_studio.ui.stage import Stage
 from qmd_studio.ui.status import StatusBar
 from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.timeline import Timeline
 from qmd_studio.ui.transport import transport_handlers
+from qmd_studio.ui.view_switch import ViewSwitch
 from qmd_studio.ui.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -45,11 +46,6 @@ if TYPE_CHECKING:
     from qmd_studio.ui.error_strip import ErrorStrip
 
 DEFAULT_SIZE = (1440, 900)
-_OVERLAY_VERBS = {
-    "show_original": Overlay.ORIGINAL,
-    "show_both": Overlay.BOTH,
-    "show_decoded": Overlay.DECODED,
-}
 
 
 class MainWindow(QMainWindow):
@@ -80,6 +76,7 @@ class MainWindow(QMainWindow):
         self._make_panels()
         self._make_bars()
         self.stage = Stage(self.viewport, self.playhead, self)
+        self.views = ViewSwitch(self)
         self.player = Player(self.playhead, self)
         self.verbs.connect_all(self._handlers())
         self.verbs["follow"].setChecked(self.stage.follows)
@@ -156,7 +153,7 @@ class MainWindow(QMainWindow):
             "view_top": lambda: view("top"),
             "view_three_quarter": lambda: view("three-quarter"),
             "orthographic": self.viewport.toggle_orthographic,
-            **{verb: lambda o=overlay: self._choose_overlay(o) for verb, overlay in _OVERLAY_VERBS.items()},
+            **self.views.handlers(),
             **{f"theme_{theme}": lambda t=theme: self._choose_theme(t) for theme in Theme},
             "full_screen": self._toggle_full_screen,
             "reset_layout": self.reset_layout,
@@ -332,17 +329,6 @@ class MainWindow(QMainWindow):
     def _toggle_follow(self) -> None:
         self.stage.follows = self.verbs["follow"].isChecked()
 
-    def show_overlay(self, overlay: Overlay) -> None:
-        """Show the original, the decoded motion, or both."""
-        self.stage.overlay = overlay
-        for verb, each in _OVERLAY_VERBS.items():
-            self.verbs[verb].setChecked(each is overlay)
-
-    def _choose_overlay(self, overlay: Overlay) -> None:
-        self.show_overlay(overlay)
-        if self.lab is not None:
-            self.lab.set_view_mode(overlay.value)
-
     def _choose_theme(self, theme: Theme) -> None:
         self.settings.theme = theme.value
         self.themes.choose(theme)
@@ -355,11 +341,13 @@ class MainWindow(QMainWindow):
         self.status.refresh_icons()
         for title in self.findChildren(DockTitle):
             title.refresh_icons()
-        for button in self.tools.findChildren(QWidget, "ViewFrom"):
-            button.setIcon(icon("view"))
+        for name, drawn in (("ViewFrom", "view"), ("CompareBy", "compare")):
+            for button in self.tools.findChildren(QWidget, name):
+                button.setIcon(icon(drawn))
         for banner in self.banners.banners:
             banner.draw_icons(getattr(self.themes.colours, banner.kind))
         self.viewport.set_theme(self.themes.dark)
+        self.views.set_dark(self.themes.dark)
 
     def _toggle_full_screen(self) -> None:
         if self.isFullScreen():

@@ -67,6 +67,7 @@ class Menus(QObject):
         bar.addMenu(view)
         view.insertMenu(self._actions["show_original"], self._menu(self.tr("View fro&m"), "view_from"))
         view.insertSeparator(self._actions["show_original"])
+        view.insertMenu(self._actions["heat_map"], self._menu(self.tr("&Compare by"), "compare"))
         view.insertMenu(self._actions["full_screen"], self._menu(self.tr("T&heme"), "theme"))
         bar.addMenu(self._menu(self.tr("&Animate"), "animate"))
         compress = bar.addMenu(self._menu(self.tr("&Compress"))).menu()
@@ -103,6 +104,8 @@ def tool_bar(window: QMainWindow, actions: Actions) -> QToolBar:
     bar.addWidget(_view_button(bar, actions))
     bar.addSeparator()
     bar.addActions([actions[verb] for verb in ("show_original", "show_both", "show_decoded")])
+    bar.addWidget(_compare_button(bar, actions))
+    bar.addAction(actions["heat_map"])
     for button in bar.findChildren(QToolButton):
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         if button.defaultAction() is not None:
@@ -114,13 +117,28 @@ def tool_bar(window: QMainWindow, actions: Actions) -> QToolBar:
 
 
 def _view_button(bar: QToolBar, actions: Actions) -> QToolButton:
-    button = QToolButton(bar)
+    button = _popup(bar, actions, "view_from")
     button.setObjectName("ViewFrom")
     button.setIcon(icon("view"))
     button.setToolTip(QCoreApplication.translate("Menus", "Look from the front, a side or above"))
     button.setAccessibleName(QCoreApplication.translate("Menus", "View from"))
+    return button
+
+
+def _compare_button(bar: QToolBar, actions: Actions) -> QToolButton:
+    button = _popup(bar, actions, "compare")
+    button.setObjectName("CompareBy")
+    button.setIcon(icon("compare"))
+    button.setToolTip(QCoreApplication.translate("Menus", "How A and B are seen together"))
+    button.setAccessibleName(QCoreApplication.translate("Menus", "Compare by"))
+    return button
+
+
+def _popup(bar: QToolBar, actions: Actions, name: str) -> QToolButton:
+    """Return a button that opens the menu `name`."""
+    button = QToolButton(bar)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     menu = QMenu(button)
-    menu.addActions([action for action in actions.in_menu("view_from") if action is not None])
+    menu.addActions([action for action in actions.in_menu(name) if action is not None])
     button.setMenu(menu)
     return button

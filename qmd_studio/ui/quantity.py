@@ -36,6 +36,26 @@ def significant(value: float) -> str:
     return f"{value:.{places if abs(value) >= 0.1 else 4}f}"
 
 
+def against(value: float | None, other: float | None) -> str:
+    """Return how a cost compares with another one, in a few characters: "▼ 65 %", "▼ 29×", "▲ 12 %", "=".
+
+    Nothing is said where either is unknown or zero: no ratio says how much less nothing is.
+    """
+    if not value or not other:
+        return ""
+    ratio = value / other
+    if abs(ratio - 1.0) < 0.005:
+        return "="
+    if ratio < 1.0:
+        return f"▼ {100.0 * (1.0 - ratio):.0f} %" if ratio > 0.1 else f"▼ {significant_ratio(1.0 / ratio)}×"
+    return f"▲ {100.0 * (ratio - 1.0):.0f} %" if ratio < 2.0 else f"▲ {significant_ratio(ratio)}×"
+
+
+def significant_ratio(ratio: float) -> str:
+    """Return a ratio above 1 with two or three digits that count."""
+    return f"{ratio:.1f}" if ratio < 10.0 else f"{ratio:,.0f}"
+
+
 def tabular(font: QFont, *, scale: float = 1.0, bold: bool = False) -> QFont:
     """Return `font` with figures of one width, so that numbers do not dance, and `scale` times its size."""
     result = QFont(font)

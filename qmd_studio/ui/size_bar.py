@@ -87,10 +87,11 @@ class SizeBar(QWidget):
 
 
 class SizeBreakdownView(QWidget):
-    """The bar with its legend."""
+    """The bar with its legend; `name` says whose bytes they are."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None, *, name: str = "") -> None:
         super().__init__(parent)
+        self._name = name
         self.bar = SizeBar(self)
         self.payload, self.file = QLabel(self), QLabel(self)
         for label in (self.payload, self.file):
@@ -113,7 +114,8 @@ class SizeBreakdownView(QWidget):
 
     def show_size(self, size: SizeFigures) -> None:
         """Show what the bytes of this encoding are spent on."""
-        self.payload.setText(self.tr("Payload {size}").format(size=kilobytes(size.payload.bytes)))
+        payload = self.tr("Payload {size}").format(size=kilobytes(size.payload.bytes))
+        self.payload.setText(f"{self._name}  {payload}".strip())
         self.file.setText(self.tr("Whole file {size}").format(size=kilobytes(size.file_bytes)))
         parts = self._parts(size)
         self.bar.show_parts(parts)

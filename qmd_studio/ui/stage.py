@@ -1,15 +1,15 @@
-"""What stands in the viewport: the shown clip, what its QMD file plays, or both, at the playhead's frame."""
+"""What stands in the viewport at the playhead's frame: the two sides that are compared, one of them or both."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import StrEnum
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from PySide6.QtCore import QObject
 
-from qmd_studio.arrays import FloatArray
+from qmd_studio.arrays import Float32Array, FloatArray
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.avatar.upright import upright
 from qmd_studio.motion.in_between import in_between
@@ -18,31 +18,41 @@ from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.playhead import Playhead
+from qmd_studio.project.state import Side
 from qmd_studio.render.ground import ground_height
+from qmd_studio.render.panes import Layout
 from qmd_studio.render.scene import Actor
+from qmd_studio.tuning.joint_heat import heat_of, joint_errors
+from qmd_studio.ui.view import LAYOUTS, View
 from qmd_studio.ui.viewport import Viewport
 
 _SMOOTH_FPS = 60.0
 """Motions of fewer frames a second are played with poses in between."""
 
+DEFAULT_RANGE_MM = 1.0
+_GREY, _FAINT = (0.45, 0.47, 0.5), 0.3
+"""What is left of A where only the difference is shown."""
 
-class Overlay(StrEnum):
-    """Which of the two motions is shown."""
 
-    ORIGINAL = "original"
-    BOTH = "overlay"
-    DECODED = "decoded"
+@dataclass(frozen=True, slots=True, eq=False)
+class Take:
+    """What a side that is encoded plays, made when first looked at, and how far off it is: (n_frames, n_points) mm."""
+
+    decoded: Callable[[], Motion]
+    distance_mm: Float32Array
 
 
 class Stage(QObject):
-    """Poses the bodies and hands them to the viewport whenever clip, decoded motion, overlay or frame changes."""
+    """Poses the bodies and hands them to the viewport whenever clip, side, view, heat or frame changes."""
 
     def __init__(self, viewport: Viewport, playhead: Playhead, parent: QObject) -> None:
         super().__init__(parent)
         self._viewport, self._playhead = viewport, playhead
         self._clip: Clip | None = None
-        self._decoded: Callable[[], Motion] | None = None
-        self._overlay = Overlay.ORIGINAL
+        self._takes: dict[Side, Take] = {}
+        self._difference: Float32Array | None = None
+        self._view = View.A
+        self._heated, self._range_mm = False, DEFAULT_RANGE_MM
         self._follows = True
         self._stands_at: FloatArray | None = None
         self._upright = np.eye(4)
@@ -54,13 +64,38 @@ class Stage(QObject):
         playhead.state_changed.connect(self._pose)  # at rest a frame is shown as it is
 
     @property
-    def overlay(self) -> Overlay:
-        """Which of the two motions is shown, where there is a decoded one."""
-        return self._overlay
+    def view(self) -> View:
+        """How the two sides are shown, where side B is known."""
+        return self._view
 
-    @overlay.setter
-    def overlay(self, overlay: Overlay) -> None:
-        self._overlay = overlay
+    @view.setter
+    def view(self, view: View) -> None:
+        self._view = view
+        self._pose()
+
+    @property
+    def shown_view(self) -> View:
+        """How the sides are shown now: only A as long as B is not known."""
+        return self._view if Side.B in self._takes else View.A
+
+    @property
+    def heated(self) -> bool:
+        """Whether the error of its joints is painted on a body that is encoded."""
+        return self._heated
+
+    @heated.setter
+    def heated(self, heated: bool) -> None:
+        self._heated = heated
+        self._pose()
+
+    @property
+    def range_mm(self) -> float:
+        """The error at the hot end of the scale, in mm."""
+        return self._range_mm
+
+    @range_mm.setter
+    def range_mm(self, range_mm: float) -> None:
+        self._range_mm = range_mm
         self._pose()
 
     @property
@@ -74,8 +109,8 @@ class Stage(QObject):
 
     @property
     def has_decoded(self) -> bool:
-        """Whether it is known what the QMD file plays."""
-        return self._decoded is not None
+        """Whether it is known what side B, the QMD file, plays."""
+        return Side.B in self._takes
 
     def show_clip(self, clip: Clip | None) -> None:
         """Show `clip`, or the default body; what was decoded of another motion goes."""
@@ -83,14 +118,21 @@ class Stage(QObject):
         if clip is None or before is None or clip.key != before.key:
             self._stands_at = None  # another body: the camera is framed anew, not carried there
         if clip is None or before is None or clip.motion is not before.motion:
-            self._decoded = None
+            self._takes, self._difference = {}, None
             self._upright, ground = standing_of(clip) if clip is not None else (np.eye(4), 0.0)
             self._viewport.set_ground_height(ground)
         self._pose()
 
-    def show_decoded(self, decoded: Callable[[], Motion] | None) -> None:
-        """Take over what the QMD file of the shown clip plays, made when first looked at; None if unknown."""
-        self._decoded = decoded if self._clip is not None else None
+    def show_side(self, side: Side, take: Take | None) -> None:
+        """Take over what `side` plays of the shown clip; None where it is the original or not known."""
+        self._takes.pop(side, None)
+        if take is not None and self._clip is not None:
+            self._takes[side] = take
+        self._pose()
+
+    def show_difference(self, distance_mm: Float32Array | None) -> None:
+        """Take over how far B is from A, (n_frames, n_points) mm; None if unknown."""
+        self._difference = distance_mm if self._clip is not None else None
         self._pose()
 
     def show_default_body(self) -> None:
@@ -104,17 +146,32 @@ class Stage(QObject):
 
     def _pose(self, _index: int = 0) -> None:
         if self._clip is None:
+            self._viewport.set_layout(Layout.ONE)
             self._viewport.set_actors(self._default)
             return
-        body = body_of(self._clip)
-        overlay = self._overlay if self._decoded is not None else Overlay.ORIGINAL
-        actors = []
-        if overlay is not Overlay.DECODED:
-            actors.append(Actor(body, self._matrices(self._clip.motion)))
-        if overlay is not Overlay.ORIGINAL and self._decoded is not None:
-            actors.append(Actor(body, self._matrices(self._decoded()), ghost=overlay is Overlay.BOTH))
+        view = self.shown_view
+        actors = [self._actor(side, view, self._clip) for side in view.sides]
+        self._viewport.set_layout(LAYOUTS.get(view, Layout.ONE))
         self._viewport.set_actors(actors)
         self._carry_camera(actors[0].world_from_joint[0, :3, 3])
+
+    def _actor(self, side: Side, view: View, clip: Clip) -> Actor:
+        """Return the body of `side` in its pose, painted as `view` has it."""
+        take = self._takes.get(side)
+        world = self._matrices(clip.motion if take is None else take.decoded())
+        body = body_of(clip)
+        if view is View.DIFFERENCE and side is Side.A:
+            return Actor(body, world, tint=_GREY, alpha=_FAINT, ghost=True)
+        if view is View.DIFFERENCE:
+            return Actor(body, world, heat=self._heat(self._difference), only_hot=True)
+        heat = self._heat(take.distance_mm) if take is not None and self._heated else None
+        return Actor(body, world, ghost=view is View.GHOST and side is Side.B, heat=heat)
+
+    def _heat(self, distance_mm: Float32Array | None) -> FloatArray | None:
+        if distance_mm is None or self._clip is None:
+            return None
+        frame = min(self._playhead.index, len(distance_mm) - 1)
+        return heat_of(joint_errors(self._clip.motion.skeleton, distance_mm, frame), self._range_mm)
 
     def _carry_camera(self, root: FloatArray) -> None:
         before, self._stands_at = self._stands_at, root.copy()

@@ -87,7 +87,7 @@ class Tour(QObject):
 
     def _measured(self) -> bool:
         lab = self._window.lab
-        return lab.report is not None and not lab.worker.pending
+        return lab.report is not None and not lab.pending
 
     def _take_export(self, path: Path) -> None:
         self._exported = path

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 import threading
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -82,23 +82,27 @@ class Mailbox:
 class TuningWorker(QObject):
     """Turns `request(motion, settings)` into `measured(EncodeReport)` or `failed(QmdStudioError)`.
 
-    Every request has a ticket. Only the outcome of the newest is emitted, always on this object's thread; a request
-    that has not begun when a newer one comes never begins. A report that is still remembered is emitted at once. A
-    `draft` is enough while a slider is held: it comes sooner, and it is not remembered.
+    Every request has a ticket, and outcomes come on this object's thread in the order of their tickets. A request that
+    has not begun when a newer one comes never begins; one that has is finished, and its report emitted unless a newer
+    one was: a hand that never rests sees figures all the same. Of another motion, of a request before `cancel`, and of
+    a failure that is not the newest's nothing is told. A report that is still remembered is emitted at once. A `draft`
+    is enough while a slider is held: it comes sooner, and it is not remembered.
     """
 
     measured = Signal(object)
     failed = Signal(object)
-    _came = Signal(object, object)
+    _came = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._mailbox = Mailbox()
         self._thread: threading.Thread | None = None
-        self._newest = 0
+        self._newest = self._told = 0
+        self._motion: Motion | None = None
         self._pending = False
         self._reports: OrderedDict[tuple[Motion, QmdSettings], EncodeReport] = OrderedDict()
-        self._came.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self._outcomes: deque[tuple[Job, EncodeReport | QmdStudioError]] = deque()
+        self._came.connect(self._receive_newest, Qt.ConnectionType.QueuedConnection)
         self.destroyed.connect(self._mailbox.close)
         application = QCoreApplication.instance()
         if application is not None:
@@ -110,7 +114,10 @@ class TuningWorker(QObject):
         return self._pending
 
     def request(self, motion: Motion, settings: QmdSettings, *, draft: bool = False) -> int:
-        """Ask for the report of `settings`, which fit `motion`; return the ticket. Older requests are forgotten."""
+        """Ask for the report of `settings`, which fit `motion`; return the ticket."""
+        if motion is not self._motion:
+            self.cancel()
+        self._motion = motion
         self._newest += 1
         self._pending = True
         job = Job(self._newest, motion, settings, draft)
@@ -123,8 +130,9 @@ class TuningWorker(QObject):
         return job.ticket
 
     def cancel(self) -> None:
-        """Forget the newest request: nothing is emitted for it, and what has begun is dropped when it ends."""
+        """Forget all requests: nothing is emitted for them, and what has begun is dropped when it ends."""
         self._newest += 1
+        self._told = self._newest
         self._pending = False
         self._mailbox.empty()
 
@@ -137,20 +145,34 @@ class TuningWorker(QObject):
             self._thread = None
 
     def _start(self) -> None:
-        arguments = (self._mailbox, self._came.emit)
+        arguments = (self._mailbox, self._deliver)
         self._thread = threading.Thread(target=_work, args=arguments, name="tuning", daemon=True)
         self._thread.start()
 
-    def _receive(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
-        if not isinstance(outcome, QmdStudioError) and not outcome.draft:
-            self._remember(job, outcome)
-        if job.ticket != self._newest:
-            return
-        self._pending = False
-        signal = self.failed if isinstance(outcome, QmdStudioError) else self.measured
-        signal.emit(outcome)
+    def _deliver(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
+        """Hand an outcome over, on the working thread."""
+        self._outcomes.append((job, outcome))
+        self._came.emit()
 
-    def _remember(self, job: Job, report: EncodeReport) -> None:
+    def _receive_newest(self) -> None:
+        """Of all that has come since the window was last free to look, the newest is enough."""
+        while len(self._outcomes) > 1:
+            self._remember(*self._outcomes.popleft())
+        if self._outcomes:
+            self._receive(*self._outcomes.popleft())
+
+    def _receive(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
+        self._remember(job, outcome)
+        failed, newest = isinstance(outcome, QmdStudioError), job.ticket == self._newest
+        if job.ticket <= self._told or (failed and not newest):
+            return
+        self._told = job.ticket
+        self._pending = self._pending and not newest
+        (self.failed if failed else self.measured).emit(outcome)
+
+    def _remember(self, job: Job, report: EncodeReport | QmdStudioError) -> None:
+        if isinstance(report, QmdStudioError) or report.draft:
+            return
         self._reports[job.motion, job.settings] = report
         self._reports.move_to_end((job.motion, job.settings))
         while len(self._reports) > CACHED_REPORTS:

@@ -8,20 +8,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QFont, QFontMetricsF, QKeyEvent, QMouseEvent, QPainter, QWheelEvent
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.render.camera import Camera
 from qmd_studio.render.overlay import TRIAD_INSET, TRIAD_RADIUS, triad_preset
+from qmd_studio.render.panes import Layout, Pane, pane_at, panes_of
 from qmd_studio.render.picking import Hit, pick
 from qmd_studio.render.quality import STILL, Quality, QualityController
 from qmd_studio.render.renderer import Renderer
-from qmd_studio.render.scene import Actor, Scene
+from qmd_studio.render.scene import Actor, Scene, limb_points
 from qmd_studio.ui.viewport_format import viewport_format
 from qmd_studio.ui.viewport_keys import Drag, drag_of, verb_of
+from qmd_studio.ui.viewport_words import paint_words
 
 _ORBIT_RADIANS = 2.6
 """How far a drag over the picture's whole height turns the camera."""
@@ -61,6 +63,7 @@ class Viewport(QOpenGLWidget):
         self._camera = self._goal = Camera()
         self._framed_once = False
         self._message: str | None = None
+        self._layout, self._split = Layout.ONE, 0.5
         self._drag: Drag | None = None
         self._pressed = self._last = QPointF()
         self._last_paint = 0.0
@@ -97,6 +100,28 @@ class Viewport(QOpenGLWidget):
             self._framed_once = True
             self._frame(self._scene.points(), glide=False)
         self._changed()
+
+    @property
+    def layout_of_sides(self) -> Layout:
+        """How the picture is shared by the first two actors."""
+        return self._layout
+
+    @property
+    def split(self) -> float:
+        """Where the line of a wipe stands, from 0 at the left to 1."""
+        return self._split
+
+    @property
+    def panes(self) -> tuple[Pane, ...]:
+        """What is drawn where, left to right."""
+        return panes_of(self._scene, self._layout, self._split)
+
+    def set_layout(self, layout: Layout, split: float | None = None) -> None:
+        """Share the picture between the first two actors; a wipe's line goes to `split`, a share of the width."""
+        split = self._split if split is None else min(max(split, 0.0), 1.0)
+        if (layout, split) != (self._layout, self._split):
+            self._layout, self._split = layout, split
+            self._changed()
 
     def set_theme(self, dark: bool) -> None:
         """Draw the stage for a dark or a light window."""
@@ -138,18 +163,9 @@ class Viewport(QOpenGLWidget):
         """Move the camera to the selected joint and what hangs from it; to all where none is selected."""
         if self._scene.selected is None:
             self.frame_all()
-            return
-        number, joint = self._scene.selected
-        actor = self._scene.actors[number]
-        inside = {joint}
-        for index, other in enumerate(actor.body.skeleton.joints):
-            if other.parent in inside:
-                inside.add(index)
-        positions = actor.joint_positions()
-        nearest = positions[sorted(inside)]
-        reach = 0.06 * float(np.ptp(positions, axis=0).max())
-        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * reach
-        self._frame((nearest[:, None] + corners).reshape(-1, 3))
+        else:
+            number, joint = self._scene.selected
+            self._frame(limb_points(self._scene.actors[number], joint))
 
     def view_preset(self, name: str) -> None:
         """Turn the camera to one of the presets of `qmd_studio.render.camera`, such as "front"."""
@@ -204,8 +220,8 @@ class Viewport(QOpenGLWidget):
         ratio = self.devicePixelRatioF()
         size = (round(self.width() * ratio), round(self.height() * ratio))
         controller.begin()
-        renderer.draw(
-            self._scene,
+        renderer.draw_panes(
+            self.panes,
             self._camera,
             size,
             framebuffer=self.defaultFramebufferObject(),
@@ -229,29 +245,11 @@ class Viewport(QOpenGLWidget):
             QTimer.singleShot(0, self.update)
 
     def _draw_words(self) -> None:
-        empty = not self._scene.actors
         text = self._failure or self._message
-        if text is None and empty:
+        if text is None and not self._scene.actors:
             text = self.tr("Drop a BVH, AMC, BAP, X3D or QMD file here")
-        if text is None:
-            return
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        if self._failure:
-            painter.fillRect(self.rect(), QColor(34, 37, 43) if self._scene.dark else QColor(222, 226, 232))
-        font = QFont(self.font())
-        font.setPointSizeF(font.pointSizeF() * 1.25)
-        painter.setFont(font)
-        area = QRectF(self.rect()).adjusted(24, 24, -24, -24)
-        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-        box = QFontMetricsF(font).boundingRect(area, int(flags), text).adjusted(-20, -12, 20, 12)
-        dark = self._scene.dark
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(20, 22, 26, 150) if dark else QColor(255, 255, 255, 190))
-        painter.drawRoundedRect(box, 8, 8)
-        painter.setPen(QColor(226, 230, 236) if dark else QColor(40, 46, 56))
-        painter.drawText(area, int(flags), text)
-        painter.end()
+        if text is not None:
+            paint_words(self, text, dark=self._scene.dark, covering=self._failure is not None)
 
     def _draw_still(self) -> None:
         if self._camera == self._goal:
@@ -289,10 +287,15 @@ class Viewport(QOpenGLWidget):
             self._camera = self._goal
 
     def _aspect(self) -> float:
-        return max(self.width(), 1) / max(self.height(), 1)
+        return self.panes[0].width * max(self.width(), 1) / max(self.height(), 1)
 
     def _place(self, at: QPointF) -> tuple[float, float]:
-        return 2 * at.x() / max(self.width(), 1) - 1, 1 - 2 * at.y() / max(self.height(), 1)
+        pane = self._pane_at(at)
+        across = (at.x() / max(self.width(), 1) - pane.window[0]) / pane.width
+        return 2 * across - 1, 1 - 2 * at.y() / max(self.height(), 1)
+
+    def _pane_at(self, at: QPointF) -> Pane:
+        return pane_at(self.panes, at.x() / max(self.width(), 1))
 
     # The mouse and the keys
 
@@ -371,8 +374,9 @@ class Viewport(QOpenGLWidget):
 
     def hit(self, at: QPointF) -> Hit | None:
         """Return what is under a place of the widget, or None."""
-        x, y = self._place(at)
-        return pick(self._scene, *self._camera.ray(x, y, self._aspect()))
+        pane = self._pane_at(at)
+        hit = pick(pane.scene, *self._camera.ray(*self._place(at), self._aspect()))
+        return hit and replace(hit, actor=hit.actor + pane.first_actor)
 
     def _triad_preset(self, at: QPointF) -> str | None:
         if not self._scene.show_axes:

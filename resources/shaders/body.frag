@@ -18,6 +18,7 @@ uniform vec4 tint;         // colour and how much of it
 uniform vec3 accent;
 uniform float alpha;
 uniform float ghost;
+uniform float only_hot;
 uniform float ground_y;
 uniform sampler2D heat_map;
 out vec4 colour;
@@ -51,5 +52,8 @@ void main() {
     lit = mix(lit, accent * (0.45 + 0.75 * key + edge), 0.72 * mark.x);
     lit += accent * mark.y * (1.0 - mark.x) * 0.20;
     float opacity = alpha * mix(1.0, 0.75 + 0.6 * edge, ghost);
+    opacity *= mix(1.0, smoothstep(0.01, 0.12, warmth.x * warmth.y), only_hot);
+    if (opacity < 0.004)
+        discard;  // what is not seen must not hide what is behind it
     colour = vec4(film(lit), clamp(opacity, 0.0, 1.0));
 }

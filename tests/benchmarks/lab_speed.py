@@ -14,6 +14,7 @@ from qmd_studio.project.clip import Clip
 from qmd_studio.project.commands import AddClip
 from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
+from qmd_studio.project.state import Side
 from qmd_studio.ui.codec_lab import CodecLab
 
 N_TICKS = 120
@@ -65,7 +66,7 @@ def single_tick(app, lab, document, fdf):
     start = time.perf_counter()
     slider.setValue(fdf)
     wait(app, lab)
-    lab.figures.repaint()
+    lab.sides[Side.B].figures.repaint()
     took = 1e3 * (time.perf_counter() - start)
     slider.setSliderDown(False)
     wait(app, lab)
@@ -86,7 +87,7 @@ def drag(app, lab):
 
 def wait(app, lab):
     """Let the window live until the newest setting is measured."""
-    while lab.worker.pending:
+    while lab.pending:
         app.processEvents()
 
 

@@ -15,6 +15,7 @@ from qmd_studio.project.clip import Clip, clip_from
 from qmd_studio.project.commands import (
     ActivateClip,
     AddClip,
+    CopySettings,
     RemoveClip,
     RenameClip,
     SetCodecSettings,
@@ -23,6 +24,7 @@ from qmd_studio.project.commands import (
     SetLevels,
 )
 from qmd_studio.project.document import Document
+from qmd_studio.project.state import Side
 
 
 def small_skeleton():
@@ -239,3 +241,37 @@ class Editing(RuleBasedStateMachine):
 
 Editing.TestCase.settings = settings(max_examples=60, stateful_step_count=30, deadline=None)
 TestEditing = Editing.TestCase
+
+
+def test_each_side_has_its_own_settings_and_its_own_drags():
+    document = Document()
+    a, b = QmdSettings(fdf=1), QmdSettings(fdf=2)
+    document.execute(SetCodecSettings(a, drag="fdf", side=Side.A))
+    document.execute(SetCodecSettings(replace(a, fdf=3), drag="fdf", side=Side.A))
+    document.execute(SetCodecSettings(b, drag="fdf"))
+    assert (document.state.settings_of(Side.A).fdf, document.state.settings_of(Side.B)) == (3, b)
+    assert len(document.history) == 2
+    document.undo()
+    document.undo()
+    assert document.state.settings_of(Side.A) is None
+
+
+def test_settings_are_copied_either_way_and_undo_brings_both_back():
+    document = Document()
+    document.execute(SetCodecSettings(QmdSettings(fdf=4)))
+    document.execute(CopySettings(Side.A))
+    assert document.undo_text == "Copy settings to A"
+    assert document.state.codec_a == document.state.codec == QmdSettings(fdf=4)
+    document.execute(SetCodecSettings(QmdSettings(bits=9), side=Side.A))
+    document.execute(CopySettings(Side.B))
+    assert document.state.codec == QmdSettings(bits=9)
+    document.undo()
+    assert document.state.codec == QmdSettings(fdf=4)
+
+
+def test_the_original_is_no_setting_for_b():
+    document = Document()
+    for command in (SetCodecSettings(None), CopySettings(Side.B)):
+        with pytest.raises(EditError):
+            document.execute(command)
+    assert document.history == ()

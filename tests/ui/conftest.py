@@ -1,3 +1,4 @@
+import gc
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,14 @@ def bvh_text(n_frames=60):
     turns = np.linspace(0, 40, n_frames)
     rows = [f"0 90 0 0 0 0 {a:.3f} 0 0 0 {a / 2:.3f} 0" for a in turns]
     return BVH + f"Frames: {n_frames}\nFrame Time: 0.0333333\n" + "\n".join(rows) + "\n"
+
+
+@pytest.fixture(autouse=True)
+def collected(qapp):
+    """Widgets that a test has done with go on the thread that made them, not on one that works in the next test."""
+    yield
+    qapp.processEvents()
+    gc.collect()
 
 
 @pytest.fixture

@@ -55,7 +55,7 @@ def click(lab, modifier=Qt.KeyboardModifier.NoModifier):
 
 
 def settled(qtbot, lab):
-    qtbot.waitUntil(lambda: not lab.worker.pending, timeout=30_000)
+    qtbot.waitUntil(lambda: not lab.pending, timeout=30_000)
 
 
 def link(lab, text):

@@ -7,10 +7,11 @@ from PySide6.QtTest import QTest
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.project.commands import SetCodecSettings
+from qmd_studio.ui.view import View
 
 
 def settled(qtbot, window):
-    qtbot.waitUntil(lambda: not window.lab.worker.pending, timeout=30_000)
+    qtbot.waitUntil(lambda: not window.lab.pending, timeout=30_000)
 
 
 def picture(window):
@@ -36,11 +37,11 @@ def test_the_decoded_motion_is_seen_beside_the_original(qtbot, window, open_clip
     assert window.lab.report.error.max_mm > 10.0
     window.playhead.seek(window.lab.report.error.worst_frame)
     shown = {}
-    for mode, key in (("original", Qt.Key.Key_1), ("overlay", Qt.Key.Key_2), ("decoded", Qt.Key.Key_3)):
+    for view, key in ((View.A, Qt.Key.Key_1), (View.WIPE, Qt.Key.Key_2), (View.B, Qt.Key.Key_3)):
         QTest.keyClick(window, key, Qt.KeyboardModifier.AltModifier)
-        assert window.lab.view_mode == mode
-        shown[mode] = picture(window)
-    changed = [np.abs(shown["original"] - shown[mode]).sum() for mode in ("overlay", "decoded")]
+        assert window.lab.view.view is view
+        shown[view] = picture(window)
+    changed = [np.abs(shown[View.A] - shown[view]).sum() for view in (View.WIPE, View.B)]
     assert min(changed) > 10_000
 
 

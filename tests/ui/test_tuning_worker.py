@@ -65,9 +65,7 @@ def test_a_request_is_measured(qtbot, worker, motion):
     assert not worker.pending
 
 
-def test_of_many_requests_only_the_first_and_the_newest_are_begun_and_only_the_newest_is_told(
-    qtbot, worker, motion, gate
-):
+def test_of_many_requests_the_first_and_the_newest_are_begun_and_told_in_this_order(qtbot, worker, motion, gate):
     worker.request(motion, QmdSettings(fdf=0))
     assert gate.entered.wait(30)
     for fdf in range(1, 60):
@@ -75,7 +73,7 @@ def test_of_many_requests_only_the_first_and_the_newest_are_begun_and_only_the_n
     gate.opened.set()
     settled(qtbot, worker)
     assert [s.fdf for s in gate.begun] == [0, 59]
-    assert [s.fdf for s in worker.outcomes] == [59]
+    assert [s.fdf for s in worker.outcomes] == [0, 59]
 
 
 def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, gate):
@@ -87,6 +85,30 @@ def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, 
     worker.request(motion, QmdSettings(fdf=2))
     settled(qtbot, worker)
     assert [s.fdf for s in worker.outcomes] == [2]
+
+
+def test_nothing_is_told_of_a_motion_that_has_been_left(qtbot, worker, motion, gate):
+    worker.request(motion, QmdSettings(fdf=1))
+    assert gate.entered.wait(30)
+    worker.request(walker(60, seed=3), QmdSettings(fdf=2))
+    gate.opened.set()
+    settled(qtbot, worker)
+    assert [s.fdf for s in worker.outcomes] == [2]
+
+
+def test_a_result_that_comes_after_a_newer_one_is_not_told(qtbot, worker, motion, gate):
+    gate.opened.set()
+    worker.request(motion, QmdSettings(fdf=1))
+    settled(qtbot, worker)
+    gate.opened.clear()
+    gate.entered.clear()
+    worker.request(motion, QmdSettings(fdf=2))
+    assert gate.entered.wait(30)
+    worker.request(motion, QmdSettings(fdf=1))  # remembered: told at once
+    gate.opened.set()
+    worker.request(motion, QmdSettings(fdf=3))
+    settled(qtbot, worker)
+    assert [s.fdf for s in worker.outcomes] == [1, 1, 3]
 
 
 def test_the_event_loop_goes_on_while_something_is_measured(qtbot, worker, motion, gate):
