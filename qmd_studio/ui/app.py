@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QApplication
 
 from qmd_studio import __version__
 from qmd_studio.errors import QmdStudioError
+from qmd_studio.ui.collector import Collector
 from qmd_studio.ui.icons import application_icon
 from qmd_studio.ui.keys import KeyGuard
 from qmd_studio.ui.main_window import MainWindow
@@ -108,6 +109,7 @@ def make_application() -> QApplication:
     app.setWindowIcon(application_icon())
     app.setFont(_font())
     app.key_guard = KeyGuard(app)
+    app.collector = Collector(app)
     return app
 
 

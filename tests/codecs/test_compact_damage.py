@@ -24,6 +24,12 @@ BLOCK = bytes(parse(GOLDEN).skeleton_block)
 COUNTS = struct.Struct("<IIIB")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """Compile the decoder before its time is watched."""
+    decode(GOLDEN)
+
+
 def sealed(payload):
     """A file with this payload whose checksum is right."""
     return build_compact(payload, BLOCK, 30.0, 40)

@@ -1,0 +1,34 @@
+"""Cycles are collected on the window's own thread, and nowhere else."""
+
+import gc
+import threading
+import weakref
+
+from qmd_studio.ui.collector import Collector
+
+
+class Cycle:
+    def __init__(self, seen):
+        self.itself = self
+        weakref.finalize(self, lambda: seen.append(threading.get_ident()))
+
+
+def make_garbage(seen):
+    Cycle(seen)
+    for _ in range(20 * gc.get_threshold()[0]):  # enough for Python's own collector, were it at work
+        [[]].append([])
+
+
+def test_cycles_of_a_worker_are_collected_on_this_thread(qtbot):
+    collector, seen = Collector(), []
+    try:
+        worker = threading.Thread(target=make_garbage, args=(seen,))
+        worker.start()
+        worker.join()
+        kept = [[] for _ in range(2 * gc.get_threshold()[0])]
+        qtbot.waitUntil(lambda: bool(seen))
+    finally:
+        collector.stop()
+    assert kept
+    assert seen == [threading.get_ident()]
+    assert gc.isenabled()
