@@ -8,15 +8,18 @@ from typing import Any
 
 from qmd_studio import registry, storage
 from qmd_studio.cli.load import open_any
+from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.codecs.qmd.settings import Encoder
 from qmd_studio.formats.loaded import Loaded
+from qmd_studio.tuning.budget import Device, budget_of_file, devices
 
 
 def run(arguments: Namespace) -> Report:
     """Describe FILE. Raises `FormatError` where it is damaged: what is described could also be opened."""
     path = Path(arguments.file)
+    device = _device(arguments.device)
     loaded = open_any(arguments.file, skeleton=arguments.skeleton)
     data = storage.read_bytes(path)
     recognised = registry.recognise(data, path)
@@ -26,7 +29,22 @@ def run(arguments: Namespace) -> Report:
         more_values, more_lines = _about_encoding(data)
         values |= more_values
         lines += more_lines
+        more_values, more_lines = _about_playing(data, loaded.motion.fps if loaded.motion else 0.0, device)
+        values |= more_values
+        lines += more_lines
+    elif device:
+        raise UsageError(
+            "what playing costs is known of QMD files only", wanted="a .qmd with --device", got=arguments.file
+        )
     return Report({"format": recognised.name, **values}, lines, loaded.warnings, loaded.notes)
+
+
+def _device(name: str | None) -> Device | None:
+    if name is None:
+        return None
+    if name not in devices():
+        raise UsageError("no such device", wanted=f"--device {' or '.join(devices())}", got=name)
+    return devices()[name]
 
 
 def _about_motion(loaded: Loaded) -> tuple[dict[str, Value], list[tuple[str, str]]]:
@@ -84,3 +102,22 @@ def _about_compact(facts: dict[str, Any]) -> tuple[dict[str, Value], str]:
     bits = 8 * facts["payload_bytes"] / facts["frames"]
     told = f"compact profile, a key pose every {facts['block']} frames, {split}, {bits:.0f} bits a frame"
     return {"segment": facts["segment"], "block": facts["block"]}, told
+
+
+def _about_playing(data: bytes, fps: float, device: Device | None) -> tuple[dict[str, Value], list[tuple[str, str]]]:
+    """Return what playing takes: on `device`, or without one on any that loads the file into its memory."""
+    cost = budget_of_file(data)
+    per_frame = round(cost.instructions_per_frame)
+    ram_bytes = cost.ram_on(device) if device else cost.ram_bytes
+    values: dict[str, Value] = {"ram_bytes": ram_bytes, "instructions_per_frame": per_frame}
+    lines = [("playing", f"{in_bytes(ram_bytes)} of memory, {per_frame:,} instructions a frame")]
+    if device:
+        cpu, ram = 100 * cost.load_on(device, fps), 100 * ram_bytes / device.ram_bytes
+        values |= {"device": device.name, "cpu_percent": cpu, "ram_percent": ram}
+        where = ", the file read where it lies" if device.reads_in_place else ""
+        lines += [
+            ("device", device.title),
+            ("processor", f"{cpu:.2g} % at {fps:g} fps (estimated)"),
+            ("memory", f"{ram:.2g} %{where}"),
+        ]
+    return values, lines

@@ -77,6 +77,7 @@ def _add_info(verbs: Any) -> None:
     parser = _add_verb(verbs, "info", "say what a file holds")
     parser.add_argument("file", metavar="FILE")
     _add_skeleton(parser)
+    parser.add_argument("--device", metavar="NAME", help="QMD: what playing it takes there, such as cortex-m4 or phone")
 
 
 def _add_convert(verbs: Any) -> None:

@@ -1,5 +1,6 @@
 /* Prints a QMD file as text, a line a frame: cc -std=c99 -O2 -ffp-contract=off example.c qmd_decoder.c -o qmd_print
  *
+ * Copyright (c) 2026 The QMD Studio authors
  * SPDX-License-Identifier: MIT
  */
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* Decoder of QMD motion files: see qmd_decoder.h.
  *
+ * Copyright (c) 2026 The QMD Studio authors
  * SPDX-License-Identifier: MIT
  */
 #include "qmd_decoder.h"

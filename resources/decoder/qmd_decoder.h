@@ -9,6 +9,7 @@
  * Angles come out in radians and lengths in units of 0.0254 / 0.45 m. Compile with -ffp-contract=off; README.md says why
  * and how. Written from resources/help/qmd-format.md of QMD Studio.
  *
+ * Copyright (c) 2026 The QMD Studio authors
  * SPDX-License-Identifier: MIT
  */
 #ifndef QMD_DECODER_H

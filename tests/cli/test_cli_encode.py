@@ -15,7 +15,7 @@ KEYS = {
 }  # fmt: skip
 INFO_KEYS = {
     "format", "profile", "frames", "fps", "dofs", "joints", "duration_s", "fdf", "bits", "segment", "segments",
-    "encoder", "payload_bytes", "bytes",
+    "encoder", "payload_bytes", "bytes", "ram_bytes", "instructions_per_frame",
 }  # fmt: skip
 SETTINGS = [
     ("", (6, 8, 0, "closed")),

@@ -151,3 +151,26 @@ def test_file_without_skeleton_plays_on_its_motion_but_not_on_an_asf_of_unknown_
     whole = tmp_path / "whole.qmd"
     whole.write_bytes(encode(motion).data)
     assert qmd("measure", walk, whole, "--skeleton", asf).code == 0  # it has its own: the ASF is the AMC's
+
+
+def test_info_of_a_qmd_says_what_playing_takes(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    out = tmp_path / "walk.qmd"
+    qmd("encode", walk, out)
+    anywhere = qmd("info", out, "--json").json
+    assert anywhere["ram_bytes"] > out.stat().st_size
+    assert 400 < anywhere["instructions_per_frame"] < 600
+    on_device = qmd("info", out, "--device", "cortex-m4", "--json").json
+    assert set(on_device) == set(anywhere) | {"device", "cpu_percent", "ram_percent"}
+    assert on_device["instructions_per_frame"] == anywhere["instructions_per_frame"]
+    assert on_device["ram_bytes"] < 1000
+    assert 0 < on_device["cpu_percent"] < 1
+    assert "Cortex-M4F" in qmd("info", out, "--device", "cortex-m4").out
+
+
+def test_info_of_a_device_that_is_not_known_names_those_that_are(qmd: Qmd, walk: Path) -> None:
+    outcome = qmd("info", walk, "--device", "toaster", "--json")
+    assert outcome.code == 2
+    assert "esp32" in outcome.json["wanted"]
+    outcome = qmd("info", walk, "--device", "esp32", "--json")
+    assert outcome.code == 2
+    assert "QMD" in outcome.json["error"]

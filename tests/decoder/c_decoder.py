@@ -15,8 +15,9 @@ SOURCES = ROOT / "resources" / "decoder"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", f"-I{SOURCES}")
 SANITISED = ("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 STATUSES = (
-    "OK END NOT_QMD VERSION LENGTH CHECKSUM FRAME_RATE SEGMENT ENDS_EARLY NOT_A_NUMBER INDEX RANGE WORK"
-).split()  # fmt: skip
+    "OK", "END", "NOT_QMD", "VERSION", "LENGTH", "CHECKSUM", "FRAME_RATE", "SEGMENT", "ENDS_EARLY", "NOT_A_NUMBER",
+    "INDEX", "RANGE", "WORK",
+)  # fmt: skip
 _ANSWER = struct.Struct("=I6Qd")
 
 
