@@ -15,7 +15,8 @@ from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings
 from qmd_studio.errors import QmdStudioError
-from qmd_studio.tuning.session import TuningSession
+from qmd_studio.tuning.reduced_session import ReducedSession
+from qmd_studio.tuning.reduction import Reduction
 
 _ERROR_KEYS = ("def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame")
 
@@ -24,15 +25,18 @@ def run(arguments: Namespace) -> Report:
     """Encode IN into OUT.qmd and report size and error of those very bytes. Raises `FormatError`, `CodecError`."""
     if Path(arguments.output).suffix.lower() != ".qmd":
         raise UsageError("encode writes QMD only", wanted="a name that ends in .qmd", got=arguments.output)
+    reduction = _reduction(arguments)
     if arguments.profile == "compact":
         return run_compact(arguments)
     if arguments.mean_error_mm is not None:
         raise UsageError("only the compact profile is made for a mean error", wanted="--profile compact")
     opened = open_motion(arguments.input, skeleton=arguments.skeleton)
-    frames, dofs = opened.motion.X.shape
-    settings = _settings(arguments, dofs)
+    original = opened.motion.X.shape
     try:
-        outcome = TuningSession(opened.motion).evaluate(settings)
+        session = ReducedSession(opened.motion, reduction)
+        frames, dofs = session.reduced.X.shape
+        settings = _settings(arguments, dofs)
+        outcome = session.evaluate(settings)
     except QmdStudioError as error:
         raise error.located(arguments.input) from None
     storage.write_atomic(arguments.output, outcome.data)
@@ -45,11 +49,16 @@ def run(arguments: Namespace) -> Report:
         **{key: value for key, value in outcome.error.as_json().items() if key in _ERROR_KEYS},
         "seconds": round(outcome.seconds, 6),
     }
-    raw_bytes = frames * dofs * 4
+    raw_bytes = original[0] * original[1] * 4
     lines = [
         ("written", arguments.output),
         *([("found", _in_words(found))] if settings.encoder is Encoder.BOUNDED else []),
-        ("motion", f"{frames:,} frames × {dofs} degrees of freedom"),
+        ("motion", f"{original[0]:,} frames × {original[1]} degrees of freedom"),
+        *(
+            [("kept", f"{frames:,} frames × {dofs}, at {session.reduced.fps:g} fps")]
+            if original != (frames, dofs)
+            else []
+        ),
         ("payload", f"{in_bytes(outcome.size.bytes)}, {outcome.size.bytes / raw_bytes:.1%} of the raw numbers"),
         ("file", in_bytes(outcome.file_bytes)),
         *error_lines(outcome.error),
@@ -67,6 +76,16 @@ def _found(data: bytes) -> dict[str, Value]:
 def _in_words(found: dict[str, Value]) -> str:
     segments = "one segment" if found["segments"] == 1 else f"{found['segments']} segments"
     return f"FDF {found['fdf']}, {found['bits']} bits, {segments}"
+
+
+def _reduction(arguments: Namespace) -> Reduction:
+    reduction = Reduction(arguments.every, arguments.max_level, arguments.max_loa)
+    if reduction != Reduction() and (arguments.encoder == "bounded" or arguments.profile == "compact"):
+        raise UsageError(
+            "a file made for an error keeps all frames and columns",
+            wanted="--every, --max-level and --max-loa without --encoder bounded and --profile compact",
+        )
+    return reduction
 
 
 def _settings(arguments: Namespace, n_columns: int) -> QmdSettings:

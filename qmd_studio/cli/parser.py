@@ -130,6 +130,9 @@ def _add_encode(verbs: Any) -> None:
     parser.add_argument(
         "--mean-error-mm", metavar="E", type=_distance("--mean-error-mm"), help="compact: the mean joint error (0.5)"
     )
+    _add_whole(parser, "--every", "K", low=1, default=1, help="keep every K-th frame; players fill in between (1)")
+    _add_whole(parser, "--max-level", "L", low=1, high=6, default=6, help="hold columns of a higher level, 1 to 6 (6)")
+    _add_whole(parser, "--max-loa", "A", low=0, high=3, help="BAP: hold the joints that an H-Anim body of LOA A lacks")
 
 
 def _add_decode(verbs: Any) -> None:

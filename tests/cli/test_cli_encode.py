@@ -149,9 +149,24 @@ def test_compact_profile_keeps_to_the_error_and_info_says_so(
 @pytest.mark.parametrize(
     "options",
     ["--mean-error-mm 1", "--profile compact --mean-error-mm 1 --max-error-mm 2", "--profile compact --fdf 3",
-     "--profile compact --mean-error-mm 0", "--profile compact --encoder paper"],
+     "--profile compact --mean-error-mm 0", "--profile compact --every 2", "--encoder bounded --max-level 3", "--profile compact --encoder paper"],
 )  # fmt: skip
 def test_compact_options_that_contradict_each_other_are_refused(
     qmd: Qmd, walk: Path, tmp_path: Path, options: str
 ) -> None:
     assert qmd("encode", walk, tmp_path / "walk.qmd", *options.split()).code == 2
+
+
+def test_encode_of_every_fourth_frame_tells_the_error_of_all(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    full, less = tmp_path / "full.qmd", tmp_path / "less.qmd"
+    whole = qmd("encode", walk, full, "--json").json
+    reduced = qmd("encode", walk, less, "--every", 4, "--max-level", 3, "--json").json
+    info = qmd("info", less, "--json").json
+    assert set(reduced) == KEYS
+    assert (reduced["frames"], reduced["dofs"]) == (info["frames"], info["dofs"])
+    assert (info["frames"], info["fps"]) == (15, 30.0)
+    assert info["dofs"] < 62
+    assert reduced["payload_bytes"] < whole["payload_bytes"]
+    assert reduced["mean_mm"] > whole["mean_mm"]
+    assert "kept" in qmd("encode", walk, less, "--every", 4).out
+    assert qmd("encode", walk, less, "--max-loa", 1).code == 1
