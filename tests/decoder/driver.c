@@ -19,11 +19,23 @@ static void answer(const uint8_t *data, size_t size)
 {
     qmd_decoder decoder, again;
     qmd_status status = qmd_open(&decoder, data, size, NULL, 0);
+    void *work = NULL;
     uint64_t numbers[6];
     uint32_t code;
-    size_t pose_bytes = status == QMD_OK ? decoder.columns * sizeof(float) : 0, decoded = 0;
-    float *pose = malloc(pose_bytes);
-    char *poses = malloc(status == QMD_OK ? decoder.frames * pose_bytes : 0);
+    size_t pose_bytes, decoded = 0;
+    float *pose;
+    char *poses;
+
+    if (status == QMD_WORK) {
+        size_t work_size = decoder.work_bytes;
+        work = malloc(work_size);
+        if (!work || qmd_open(&decoder, data, size, work, work_size - 1) != QMD_WORK)
+            exit(5);
+        status = qmd_open(&decoder, data, size, work, work_size);
+    }
+    pose_bytes = status == QMD_OK ? decoder.columns * sizeof(float) : 0;
+    pose = malloc(pose_bytes);
+    poses = malloc(status == QMD_OK ? decoder.frames * pose_bytes : 0);
 
     if (status == QMD_OK) {
         while ((status = qmd_next(&decoder, pose)) == QMD_OK)
@@ -50,6 +62,7 @@ static void answer(const uint8_t *data, size_t size)
     fflush(stdout);
     free(pose);
     free(poses);
+    free(work);
 }
 
 int main(void)

@@ -13,7 +13,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 OUT = ROOT / "out" / "fuzz-decoder"
-SEEDS = sorted((ROOT / "tests/codecs/golden").glob("*.qmd"))
+FOLDERS = [ROOT / "tests/codecs/golden", HERE / "golden"]
+SEEDS = [path for folder in FOLDERS for path in sorted(folder.glob("*.qmd"))]
 SOURCES = [HERE / "fuzz_decoder.c", ROOT / "resources/decoder/qmd_decoder.c"]
 FLAGS = ["-std=c99", "-O1", "-g", "-ffp-contract=off", "-fno-sanitize-recover=all", f"-I{ROOT / 'resources/decoder'}"]
 
@@ -38,7 +39,7 @@ def main() -> int:
             "-max_len=16384",
             "-print_final_stats=1",
         ]
-        command += [f"-artifact_prefix={OUT}/", "-verbosity=1", corpus, ROOT / "tests/codecs/golden"]
+        command += [f"-artifact_prefix={OUT}/", "-verbosity=1", corpus, *FOLDERS]
     elif (compiler := shutil.which("gcc") or shutil.which("cc")) and _built(
         compiler, ["-fsanitize=address,undefined", "-DQMD_OWN_MUTATOR"]
     ):

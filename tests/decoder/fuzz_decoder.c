@@ -9,6 +9,7 @@
 #include "qmd_decoder.h"
 
 #define HEADER_BYTES 64u
+#define MOST_WORK ((size_t)1 << 24)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -34,7 +35,7 @@ static void store(uint8_t *at, uint64_t value, int bytes)
 static void repair(uint8_t *data, size_t size)
 {
     size_t block = data[20] % 16u < size - HEADER_BYTES ? data[20] % 16u : 0;
-    memcpy(data, "QMD\x1a\x01\x00\x40\x00", 8);
+    memcpy(data, data[4] == 2 ? "QMD\x1a\x02\x00\x40\x00" : "QMD\x1a\x01\x00\x40\x00", 8);
     store(data + 12, size - HEADER_BYTES - block, 8);
     store(data + 20, block, 4);
     memcpy(data + 24, "\0\0\0\0\0\0\x3e\x40", 8); /* 30 frames a second */
@@ -53,13 +54,22 @@ static void play(const uint8_t *data, size_t size)
     qmd_status status = qmd_open(&decoder, data, size, NULL, 0);
     size_t decoded = 0;
     float *pose;
+    void *work = NULL;
 
+    if (status == QMD_WORK) {
+        size_t work_size = decoder.work_bytes;
+        if (work_size > MOST_WORK)
+            return;
+        work = malloc(work_size);
+        status = qmd_open(&decoder, data, size, work, work_size);
+    }
     if (status != QMD_OK) {
-        expect(status != QMD_END && decoder.error_at <= size);
+        expect(status != QMD_END && status != QMD_WORK && decoder.error_at <= size);
+        free(work);
         return;
     }
     taken++;
-    expect(decoder.columns >= 1 && decoder.columns <= size / 4 && decoder.frames >= 1 && decoder.frames <= size);
+    expect(decoder.columns >= 1 && decoder.frames >= 1 && decoder.frames <= 128 * size);
     expect(decoder.skeleton_at + decoder.skeleton_bytes == size);
     pose = malloc(decoder.columns * sizeof *pose);
     while ((status = qmd_next(&decoder, pose)) == QMD_OK) {
@@ -67,8 +77,10 @@ static void play(const uint8_t *data, size_t size)
         for (uint32_t j = 0; j < decoder.columns; j++)
             expect(pose[j] - pose[j] == 0.0f);
     }
-    expect(status == QMD_RANGE || (status == QMD_END && decoded == decoder.frames));
+    expect(status == QMD_RANGE || (decoder.version == 2 && status == QMD_ENDS_EARLY)
+           || (status == QMD_END && decoded == decoder.frames));
     free(pose);
+    free(work);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

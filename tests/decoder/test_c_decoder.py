@@ -1,8 +1,8 @@
 """The C decoder gives Python's poses to the last bit, refuses what Python refuses, and never reads past the file."""
 
 import math
-import re
 import struct
+import subprocess
 import zlib
 
 import numpy as np
@@ -11,15 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from qmd_studio.codecs.qmd.container import build, parse
-from qmd_studio.codecs.qmd.decode import decode_payload
 from qmd_studio.codecs.qmd.encode import encode
-from qmd_studio.codecs.qmd.payload import unpack
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import FormatError
 from qmd_studio.registry import open_file
 from tests.codecs.tiny_motions import pendulum
 from tests.corpus import corpus_file, corpus_files
 from tests.decoder.c_decoder import ROOT, SANITISED, SOURCES, compile_c
+from tests.decoder.python_decoder import assert_same, poses_of
 from tests.formats.damage import damaged
 from tests.generated_motion import walker
 
@@ -36,41 +35,12 @@ def sealed(payload, fps=30.0):
     return build(payload, b"block", fps, QmdSettings())
 
 
-def python_outcome(data):
-    """Return (fps, frames, columns) and the poses, or the error. The skeleton block is the host's affair in both."""
-    try:
-        parts = parse(data)
-        contents = unpack(parts.payload)
-        return parts, decode_payload(contents)
-    except FormatError as error:
-        return error, None
-
-
-def assert_same(decoder, data):
-    """Check that C and Python agree on `data`, be it good or not; return what C said."""
-    ours = decoder.decode(data)
-    theirs, poses = python_outcome(data)
-    if poses is None:
-        assert ours.status not in ("OK", "END"), f"Python refuses this: {theirs}"
-        byte = re.fullmatch(r"byte (\d+)", theirs.at or "")
-        assert byte is None or ours.error_at == int(byte[1]), f"{ours.status} where Python says {theirs}"
-    else:
-        assert ours.status == "END", f"Python takes this; byte {ours.error_at}"
-        assert ours.fps == theirs.fps
-        assert data[ours.skeleton] == bytes(theirs.skeleton_block)
-        assert ours.frames == len(poses)
-        assert ours.poses.tobytes() == poses.tobytes()
-    return ours
-
-
 def test_decoder_compiles_without_a_warning_where_there_is_no_library(c_compiler, tmp_path):
     flags = ("-O2", "-Wconversion", "-Wshadow", "-ffreestanding", "-nostdlib", "-shared", "-fPIC")
     assert compile_c(tmp_path / "decoder.so", SOURCES / "qmd_decoder.c", flags=flags) == ""
 
 
 def test_example_compiles_and_prints_the_poses(c_compiler, tmp_path):
-    import subprocess
-
     program = tmp_path / "qmd_print"
     complaint = compile_c(program, SOURCES / "example.c", SOURCES / "qmd_decoder.c", flags=SANITISED)
     assert complaint == ""
@@ -79,7 +49,7 @@ def test_example_compiles_and_prints_the_poses(c_compiler, tmp_path):
     printed = subprocess.run([program, path], capture_output=True, text=True, check=True, timeout=60).stdout
     head, *rows = printed.splitlines()
     assert head == "20 frames, 120 a second"
-    _, poses = python_outcome(path.read_bytes())
+    poses = poses_of(parse(path.read_bytes()))
     assert np.array_equal(np.array([row.split() for row in rows], np.float32), poses)
     path.write_bytes(path.read_bytes()[:-1])
     damaged_run = subprocess.run([program, path], capture_output=True, text=True, timeout=60)
