@@ -42,7 +42,8 @@ class ReducedSession:
     def evaluate(self, settings: QmdSettings, *, draft: bool = False) -> EncodeReport:
         """Encode, decode, play and measure; raises `CodecError` for bad settings. `draft` as in `TuningSession`.
 
-        A bound in `settings` is kept where frames and columns were kept, and not between them. The report's `data` is the reduced file and `decoded` what it holds; `error` is measured on `played`.
+        A bound in `settings` is kept where frames and columns were kept, and not between them. The report's `data` is
+        the reduced file and `decoded` what it holds; `error` is measured on `played`.
         """
         report = self._session.evaluate(settings, draft=draft)
         if self.reduction == Reduction():
