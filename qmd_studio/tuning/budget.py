@@ -1,6 +1,6 @@
 """What playing a file costs on a device: memory, and instructions of the C decoder as callgrind counts them.
 
-The decoder's work is linear in the counts of a file; the coefficients are measured by
+The decoder's work is linear in what `decoder_work` counts in a file; the coefficients are measured by
 tests/benchmarks/decoder_instructions.py and shipped as resources/tables/decoder_cost.csv. Counted are instructions of a
 64-bit x86 processor without its vector units; a device's table row says what one of them takes there, in cycles.
 """
@@ -13,15 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from qmd_studio.assets import resource
-from qmd_studio.codecs.qmd import container
-from qmd_studio.codecs.qmd.payload import unpack
-from qmd_studio.codecs.qmd.settings import QmdSettings, index_bytes
+from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.codecs.qmd.size import n_segments
 from qmd_studio.errors import CodecError
+from qmd_studio.tuning.decoder_work import DecoderWork, Part, paper_work, work_of_file
 
 _FLOAT_BYTES = 4
-_NARROW, _WIDE = 8, 16
-"""At these widths every value of an index lies in the table, and none is checked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,28 +43,29 @@ class Device:
 class Budget:
     """What one file costs a player.
 
-    Memory: `state_bytes` the decoder, `pose_bytes` the pose, `file_bytes` the file, in which `table_bytes` are the
-    largest segment's table, read where it lies. Work: instructions and float additions a frame, the mean over the
-    clip, and once to open and check the file.
+    Memory: `state_bytes` the decoder, `pose_bytes` the pose, `work_bytes` what the compact profile decodes into,
+    `file_bytes` the file, in which `table_bytes` are the largest segment's table, read where it lies. Work:
+    instructions and float additions a frame, the mean over the clip, and once to open and check the file.
     """
 
     file_bytes: int
     table_bytes: int
     pose_bytes: int
     state_bytes: int
+    work_bytes: int
     instructions_per_frame: float
     additions_per_frame: float
     instructions_to_open: float
 
     @property
     def ram_bytes(self) -> int:
-        """The memory of a player that loads the file: decoder, pose and file, the table being part of it."""
-        return self.state_bytes + self.pose_bytes + self.file_bytes
+        """The memory of a player that loads the file: decoder, pose, work and file, a table being part of it."""
+        return self.least_ram_bytes + self.file_bytes
 
     @property
     def least_ram_bytes(self) -> int:
-        """The memory of a player that reads the file where it lies in flash: decoder and pose."""
-        return self.state_bytes + self.pose_bytes
+        """The memory of a player that reads the file where it lies in flash: decoder, pose and work."""
+        return self.state_bytes + self.pose_bytes + self.work_bytes
 
     def ram_on(self, device: Device) -> int:
         """Return the bytes of memory that playing takes on `device`."""
@@ -80,29 +78,19 @@ class Budget:
         return cycles * fps / (device.megahertz * 1e6)
 
 
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """A segment's counts."""
-
-    rows: int
-    fdf: int
-    bits: int
-
-
 def budget_of_file(data: bytes) -> Budget:
-    """Return what a QMD file costs; raises `FormatError` for a damaged one."""
-    parts, n_columns = _parts_of(data)
-    return _budget(parts, n_columns, len(data))
+    """Return what a QMD file of either version costs; raises `FormatError` for a damaged one."""
+    return _budget(work_of_file(data), len(data))
 
 
 def budget_of_settings(settings: QmdSettings, n_rows: int, n_columns: int, *, file_bytes: int) -> Budget:
-    """Return what the file would cost that `settings` make of `n_rows` differences of `n_columns`.
+    """Return what the file of version 1 would cost that `settings` make of `n_rows` differences of `n_columns`.
 
     `settings` are checked for that motion; `file_bytes` is the size of the whole file, known by formula.
     """
     length = settings.segment or max(n_rows, 1)
     rows = [min(length, n_rows - length * k) for k in range(n_segments(n_rows, settings.segment))]
-    return _budget([_Part(n, settings.fdf, settings.bits) for n in rows], n_columns, file_bytes)
+    return _budget(paper_work([Part(n, settings.fdf, settings.bits) for n in rows], n_columns, file_bytes), file_bytes)
 
 
 @lru_cache(maxsize=1)
@@ -122,63 +110,21 @@ def device(name: str) -> Device:
 @lru_cache(maxsize=1)
 def decoder_costs() -> Mapping[str, float]:
     """Return the coefficients of the model: instructions by what is counted, and the bytes of a decoder."""
-    return {row["what"]: float(row["instructions"]) for row in _rows("decoder_cost.csv") if row["version"] == "1"}
+    return {row["what"]: float(row["instructions"]) for row in _rows("decoder_cost.csv")}
 
 
-def playing_amounts(data: bytes) -> dict[str, float]:
-    """Return how often a file makes the decoder do each thing that playing all of it consists of."""
-    return _playing(*_parts_of(data))
-
-
-def opening_amounts(data: bytes) -> dict[str, float]:
-    """Return how often a file makes the decoder do each thing that opening it consists of."""
-    return _opening(*_parts_of(data), len(data))
-
-
-def _budget(parts: list[_Part], n_columns: int, file_bytes: int) -> Budget:
+def _budget(work: DecoderWork, file_bytes: int) -> Budget:
     costs = decoder_costs()
-    n_rows = sum(part.rows for part in parts)
-    playing = sum(costs[what] * amount for what, amount in _playing(parts, n_columns).items())
-    opening = sum(costs[what] * amount for what, amount in _opening(parts, n_columns, file_bytes).items())
     return Budget(
         file_bytes=file_bytes,
-        table_bytes=_FLOAT_BYTES * 2 ** max(part.bits for part in parts),
-        pose_bytes=_FLOAT_BYTES * n_columns,
+        table_bytes=work.table_bytes,
+        pose_bytes=_FLOAT_BYTES * work.n_columns,
         state_bytes=int(costs["state_bytes"]),
-        instructions_per_frame=playing / (n_rows + 1),
-        additions_per_frame=n_rows * n_columns / (n_rows + 1),
-        instructions_to_open=opening,
+        work_bytes=work.work_bytes,
+        instructions_per_frame=sum(costs[what] * amount for what, amount in work.playing.items()) / work.n_frames,
+        additions_per_frame=work.additions / work.n_frames,
+        instructions_to_open=sum(costs[what] * amount for what, amount in work.opening.items()),
     )
-
-
-def _playing(parts: list[_Part], n_columns: int) -> dict[str, float]:
-    def indices(width: int) -> float:
-        return sum(part.rows * (n_columns - part.fdf) for part in parts if index_bytes(part.bits) == width)
-
-    return {
-        "play_frame": 1 + sum(part.rows for part in parts),
-        "play_exact": sum(part.rows * part.fdf for part in parts),
-        "play_index_8": indices(1),
-        "play_index_16": indices(2),
-        "play_segment": len(parts),
-        "play_first_pose": n_columns,
-    }
-
-
-def _opening(parts: list[_Part], n_columns: int, file_bytes: int) -> dict[str, float]:
-    floats = n_columns + sum(2**part.bits + part.rows * part.fdf for part in parts)
-    checked = sum(part.rows * (n_columns - part.fdf) for part in parts if _NARROW < part.bits < _WIDE)
-    return {
-        "open_byte": file_bytes,
-        "open_float": floats,
-        "open_index_16": checked,
-        "open_segment": len(parts),
-    }
-
-
-def _parts_of(data: bytes) -> tuple[list[_Part], int]:
-    contents = unpack(container.parse(data).payload)
-    return [_Part(s.n_rows, s.fdf, s.bits) for s in contents.segments], len(contents.pose)
 
 
 def _rows(table: str) -> Iterator[dict[str, str]]:

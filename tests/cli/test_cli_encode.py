@@ -149,7 +149,8 @@ def test_compact_profile_keeps_to_the_error_and_info_says_so(
 @pytest.mark.parametrize(
     "options",
     ["--mean-error-mm 1", "--profile compact --mean-error-mm 1 --max-error-mm 2", "--profile compact --fdf 3",
-     "--profile compact --mean-error-mm 0", "--profile compact --every 2", "--encoder bounded --max-level 3", "--profile compact --encoder paper"],
+     "--profile compact --mean-error-mm 0", "--profile compact --every 2",
+     "--encoder bounded --max-level 3", "--profile compact --encoder paper"],
 )  # fmt: skip
 def test_compact_options_that_contradict_each_other_are_refused(
     qmd: Qmd, walk: Path, tmp_path: Path, options: str

@@ -18,7 +18,7 @@ STATUSES = (
     "OK", "END", "NOT_QMD", "VERSION", "LENGTH", "CHECKSUM", "FRAME_RATE", "SEGMENT", "ENDS_EARLY", "NOT_A_NUMBER",
     "INDEX", "RANGE", "WORK",
 )  # fmt: skip
-_ANSWER = struct.Struct("=I6Qd")
+_ANSWER = struct.Struct("=I7Qd")
 
 
 def compiler():
@@ -41,6 +41,7 @@ class Outcome:
     error_at: int
     frames: int
     skeleton: slice
+    work_bytes: int
     fps: float
     poses: np.ndarray
 
@@ -62,12 +63,12 @@ class CDecoder:
             self._process.stdin.flush()
         except BrokenPipeError:
             self._fail()
-        status, error_at, columns, frames, skeleton_at, skeleton_bytes, decoded, fps = _ANSWER.unpack(
+        status, error_at, columns, frames, skeleton_at, skeleton_bytes, work_bytes, decoded, fps = _ANSWER.unpack(
             self._read(_ANSWER.size)
         )
         poses = np.frombuffer(self._read(4 * decoded * columns), np.float32).reshape(decoded, columns)
         skeleton = slice(skeleton_at, skeleton_at + skeleton_bytes)
-        return Outcome(STATUSES[status], error_at, frames, skeleton, fps, poses)
+        return Outcome(STATUSES[status], error_at, frames, skeleton, work_bytes, fps, poses)
 
     def close(self):
         """End the process; raises `AssertionError` where it did not end well."""

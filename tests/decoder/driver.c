@@ -1,5 +1,5 @@
 /* Decodes one file after another: a length (u32) and so many bytes on stdin, the outcome on stdout, little endian:
- * status (u32), error_at, columns, frames, skeleton_at, skeleton_bytes, poses that follow (u64 each), fps (f64), poses.
+ * status (u32), error_at, columns, frames, skeleton_at, skeleton_bytes, work_bytes, poses that follow (u64 each), fps (f64), poses.
  *
  * File and pose lie in memory of just their size, at odd addresses, so that a sanitiser sees whatever reaches past them.
  */
@@ -20,7 +20,7 @@ static void answer(const uint8_t *data, size_t size)
     qmd_decoder decoder, again;
     qmd_status status = qmd_open(&decoder, data, size, NULL, 0);
     void *work = NULL;
-    uint64_t numbers[6];
+    uint64_t numbers[7];
     uint32_t code;
     size_t pose_bytes, decoded = 0;
     float *pose;
@@ -54,7 +54,8 @@ static void answer(const uint8_t *data, size_t size)
     numbers[2] = decoder.frames;
     numbers[3] = decoder.skeleton_at;
     numbers[4] = decoder.skeleton_bytes;
-    numbers[5] = decoded;
+    numbers[5] = decoder.work_bytes;
+    numbers[6] = decoded;
     put(&code, sizeof code);
     put(numbers, sizeof numbers);
     put(&decoder.fps, sizeof decoder.fps);

@@ -2,7 +2,9 @@
 
 import re
 
-from qmd_studio.codecs.qmd.container import parse
+from qmd_studio.codecs.compact.decode import decode_payload as decode_compact
+from qmd_studio.codecs.compact.payload import unpack as unpack_compact
+from qmd_studio.codecs.qmd.container import COMPACT_VERSION, parse
 from qmd_studio.codecs.qmd.decode import decode_payload
 from qmd_studio.codecs.qmd.payload import unpack
 from qmd_studio.errors import FormatError
@@ -30,11 +32,9 @@ def assert_same(decoder, data):
 
 def poses_of(parts):
     """Return the poses (n_frames, n_columns) float32 in a file taken apart, of either version."""
-    if getattr(parts, "version", 1) == 1:
-        return decode_payload(unpack(parts.payload))
-    from qmd_studio.codecs.compact import decode, payload
-
-    return decode.decode_payload(payload.unpack(parts.payload))
+    if parts.version == COMPACT_VERSION:
+        return decode_compact(unpack_compact(parts.payload))
+    return decode_payload(unpack(parts.payload))
 
 
 def _assert_refused(ours, error):

@@ -9,19 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from qmd_studio.codecs.compact import file as compact
+from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.codecs.qmd import container
 from qmd_studio.errors import FormatError
 from qmd_studio.registry import open_file
+from qmd_studio.tuning.decoder_work import work_of_file
 from tests.codecs.tiny_motions import pendulum
 from tests.corpus import corpus_files
 from tests.decoder.python_decoder import assert_same
 from tests.formats.damage import damaged
 from tests.generated_motion import walker
-
-compact = pytest.importorskip(
-    "qmd_studio.codecs.compact.file", reason="no compact profile in the studio to compare with"
-)
-CompactSettings = pytest.importorskip("qmd_studio.codecs.compact.settings").CompactSettings
 
 GOLDEN_FILES = sorted((Path(__file__).parent / "golden").glob("*.qmd"))
 
@@ -41,7 +39,9 @@ def sealed(payload):
 @pytest.mark.parametrize("path", GOLDEN_FILES, ids=lambda path: path.stem)
 def test_golden_file_gives_python_s_poses(sanitised, optimised, path):
     for decoder in (sanitised, optimised):
-        assert assert_same(decoder, path.read_bytes()).status == "END"
+        ours = assert_same(decoder, path.read_bytes())
+        assert ours.status == "END"
+        assert ours.work_bytes == work_of_file(path.read_bytes()).work_bytes > 0
 
 
 @pytest.mark.parametrize("n_frames", [1, 2, 3, 21, 22, 40, 343])

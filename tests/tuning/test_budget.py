@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from qmd_studio.codecs.compact.file import encode as encode_compact
+from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.codecs.qmd.encode import encode
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import CodecError
@@ -44,6 +46,17 @@ def test_work_does_not_depend_on_the_encoder_and_grows_with_columns():
     assert 1.3 * short.instructions_per_frame < long.instructions_per_frame < 2 * short.instructions_per_frame
 
 
+def test_compact_profile_costs_less_file_and_more_work_and_memory():
+    motion = walker(120)
+    compact = budget_of_file(encode_compact(motion, CompactSettings(mean_error_mm=0.5)).data)
+    paper = budget_of_file(encode(motion).data)
+    assert compact.file_bytes < paper.file_bytes / 2
+    assert compact.instructions_per_frame > 10 * paper.instructions_per_frame
+    assert paper.work_bytes == 0
+    assert 20_000 < compact.work_bytes < 40_000
+    assert compact.ram_on(device("cortex-m4")) == compact.state_bytes + compact.pose_bytes + compact.work_bytes
+
+
 def test_load_is_the_share_of_the_processor_s_cycles():
     budget = replace(budget_of_file(encode(walker(10)).data), instructions_per_frame=1000.0, additions_per_frame=62.0)
     slow = replace(device("pocket-pc"), megahertz=1.0, cycles_per_instruction=2.0, cycles_per_addition=10.0)
@@ -69,9 +82,9 @@ def test_model_is_within_a_tenth_of_what_callgrind_counts(tmp_path):
         pytest.skip("needs valgrind and a C compiler (cc) to count instructions")
     sys.path.insert(0, str(BENCHMARKS))
     try:
-        from decoder_instructions import Counter, Setting, compare
+        from decoder_instructions import CompactSetting, Counter, Setting, compare
     finally:
         sys.path.remove(str(BENCHMARKS))
     counter = Counter(tmp_path)
-    for setting in (Setting(62, 6, 8, 120, 50), Setting(31, 2, 11, 200, 1000)):
+    for setting in (Setting(62, 6, 8, 120, 50), Setting(31, 2, 11, 200, 1000), CompactSetting(70, 30, 0.4, 40, seed=7)):
         assert compare(setting, counter) < 0.1
