@@ -30,26 +30,30 @@ def worker(qtbot):
 
 
 class Gate:
-    """Holds every evaluation up until it is opened, and notes what was begun."""
+    """Holds every evaluation up until it is let through, and notes what was begun."""
 
     def __init__(self, monkeypatch):
-        self.begun, self.entered, self.opened = [], threading.Event(), threading.Event()
+        self.begun, self.entered, self._let = [], threading.Event(), threading.Semaphore(0)
         evaluate = session_module.TuningSession.evaluate
 
         def held(session, settings, **how):
             self.begun.append(settings)
             self.entered.set()
-            assert self.opened.wait(30)
+            assert self._let.acquire(timeout=30)
             return evaluate(session, settings, **how)
 
         monkeypatch.setattr(session_module.TuningSession, "evaluate", held)
+
+    def let(self, count=1000):
+        """Let `count` evaluations through."""
+        self._let.release(count)
 
 
 @pytest.fixture
 def gate(monkeypatch, worker):
     gate = Gate(monkeypatch)
     yield gate
-    gate.opened.set()
+    gate.let()
 
 
 def settled(qtbot, worker):
@@ -70,7 +74,9 @@ def test_of_many_requests_the_first_and_the_newest_are_begun_and_told_in_this_or
     assert gate.entered.wait(30)
     for fdf in range(1, 60):
         worker.request(motion, QmdSettings(fdf=fdf))
-    gate.opened.set()
+    gate.let(1)
+    qtbot.waitUntil(lambda: bool(worker.outcomes), timeout=30_000)  # the window looks between the two
+    gate.let()
     settled(qtbot, worker)
     assert [s.fdf for s in gate.begun] == [0, 59]
     assert [s.fdf for s in worker.outcomes] == [0, 59]
@@ -81,7 +87,7 @@ def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, 
     assert gate.entered.wait(30)
     worker.cancel()
     assert not worker.pending
-    gate.opened.set()
+    gate.let()
     worker.request(motion, QmdSettings(fdf=2))
     settled(qtbot, worker)
     assert [s.fdf for s in worker.outcomes] == [2]
@@ -91,21 +97,20 @@ def test_nothing_is_told_of_a_motion_that_has_been_left(qtbot, worker, motion, g
     worker.request(motion, QmdSettings(fdf=1))
     assert gate.entered.wait(30)
     worker.request(walker(60, seed=3), QmdSettings(fdf=2))
-    gate.opened.set()
+    gate.let()
     settled(qtbot, worker)
     assert [s.fdf for s in worker.outcomes] == [2]
 
 
 def test_a_result_that_comes_after_a_newer_one_is_not_told(qtbot, worker, motion, gate):
-    gate.opened.set()
+    gate.let(1)
     worker.request(motion, QmdSettings(fdf=1))
     settled(qtbot, worker)
-    gate.opened.clear()
     gate.entered.clear()
     worker.request(motion, QmdSettings(fdf=2))
     assert gate.entered.wait(30)
     worker.request(motion, QmdSettings(fdf=1))  # remembered: told at once
-    gate.opened.set()
+    gate.let()
     worker.request(motion, QmdSettings(fdf=3))
     settled(qtbot, worker)
     assert [s.fdf for s in worker.outcomes] == [1, 1, 3]
@@ -119,7 +124,7 @@ def test_the_event_loop_goes_on_while_something_is_measured(qtbot, worker, motio
     assert gate.entered.wait(30)
     heart.start()
     qtbot.waitUntil(lambda: beats.count(True) >= 20, timeout=30_000)
-    gate.opened.set()
+    gate.let()
     settled(qtbot, worker)
 
 
@@ -188,7 +193,7 @@ def test_a_thread_that_has_nothing_to_do_goes_home_and_another_comes(qtbot, work
 def test_closing_waits_for_the_thread_and_tells_nothing(qapp, worker, motion, gate):
     worker.request(motion, QmdSettings())
     assert gate.entered.wait(30)
-    gate.opened.set()
+    gate.let()
     worker.close()
     assert not any(t.name == "tuning" for t in threading.enumerate())
     qapp.processEvents()
