@@ -51,6 +51,7 @@ def build_parser() -> ArgumentParser:
     _add_table(verbs)
     _add_figure(verbs)
     _add_batch(verbs)
+    _add_compare(verbs)
     return parser
 
 
@@ -200,6 +201,20 @@ def _add_batch(verbs: Any) -> None:
     _add_bounds(parser)
     _add_whole(parser, "--jobs", "N", low=1, help="processes (one a core)")
     parser.add_argument("--cluster", metavar="tcp://HOST:PORT", help="use the workers of this Dask scheduler instead")
+    parser.add_argument("--plot", metavar="OUT", help="draw error over size; a name that ends in .svg, .png or .pdf")
+
+
+def _add_compare(verbs: Any) -> None:
+    parser = _add_verb(verbs, "compare", "set QMD beside other codecs on a motion, at equal error and at equal size")
+    parser.add_argument("input", metavar="IN")
+    _add_skeleton(parser)
+    parser.add_argument(
+        "--mean-error-mm", metavar="E", type=_distance("--mean-error-mm"), default=0.5, help="the equal error (0.5)"
+    )
+    _add_whole(
+        parser, "--size", "BYTES", low=1, help="the equal size of the payloads (that of FDF 6, b 8, one segment)"
+    )
+    parser.add_argument("--csv", metavar="OUT", help="write all figures as a table")
     parser.add_argument("--plot", metavar="OUT", help="draw error over size; a name that ends in .svg, .png or .pdf")
 
 

@@ -11,6 +11,7 @@ from qmd_studio import storage
 from qmd_studio.codecs.qmd.size import payload_size
 from qmd_studio.errors import CodecError
 from qmd_studio.tuning.batch import Row
+from qmd_studio.tuning.comparison import Comparison
 from qmd_studio.tuning.trial import Evaluator
 
 FIGURE_BITS = (8, 9, 10, 11)
@@ -19,6 +20,7 @@ FIGURE_BITS = (8, 9, 10, 11)
 FORMATS = ("svg", "png", "pdf")
 _KB = 1024
 _SMALLEST_DEF = 1e-6
+_SMALLEST_MM = 1e-5
 
 
 def figure_5(path: Path, n_rows: int, n_columns: int) -> None:
@@ -55,6 +57,25 @@ def batch_plot(path: Path, rows: Sequence[Row]) -> None:
         x = [row["bytes"] / row["frames"] for row in mine]
         axes.scatter(x, [max(row["def"], _SMALLEST_DEF) for row in mine], s=12, label=encoder)
     axes.set(xlabel="bytes a frame", ylabel="DEF, ASF length units", xscale="log", yscale="log", title="Batch")
+    _save(plot, axes, path)
+
+
+def comparison_plot(path: Path, comparison: Comparison, name: str) -> None:
+    """Draw mean error over bytes a frame for each contender, both logarithmic; lines show what was asked for.
+
+    A contender with knobs has two points, at equal error and at equal size, joined by a line that only guides the eye.
+    """
+    plot, axes = _plot()
+    rows = (*comparison.at_error, *comparison.at_size)
+    for contender in dict.fromkeys(row.name for row in rows):
+        mine = [row for row in rows if row.name == contender]
+        errors = [max(row.error.mean_mm, _SMALLEST_MM) for row in mine]
+        axes.plot(
+            [row.bytes_per_frame for row in mine], errors, marker="o", markersize=4, linewidth=0.8, label=contender
+        )
+    axes.axhline(comparison.mean_error_mm, color="0.6", linewidth=0.8, linestyle="--")
+    axes.axvline(comparison.n_bytes / rows[0].n_frames, color="0.6", linewidth=0.8, linestyle="--")
+    axes.set(xlabel="bytes a frame", ylabel="mean joint error, mm", xscale="log", yscale="log", title=f"Codecs, {name}")
     _save(plot, axes, path)
 
 

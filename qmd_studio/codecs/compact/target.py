@@ -27,12 +27,16 @@ _FINEST = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """An encoding that keeps to its target: the bytes of its payload, what they decode to, and its error."""
+    """An encoding that keeps to its target: the bytes of its payload, what they decode to, and its error.
+
+    `fineness` is what `CompactEncoder.encode` takes to make it again.
+    """
 
     payload: bytes
     decoded: Float32Array
     mean_mm: float
     max_mm: float
+    fineness: float
 
 
 def meet_target(motion: Motion, settings: CompactSettings) -> Outcome:
@@ -99,8 +103,8 @@ def _search(encoder: CompactEncoder, meter: Meter, target_mm: float, *, worst: b
             got=f"{best:.3g} mm at best",
             hint="Ask for no less than that, or use the profile of version 1",
         )
-    _, _, encoded, distances = good
-    return Outcome(pack(encoded.payload), encoded.decoded, float(distances.mean()), float(distances.max()))
+    fineness, _, encoded, distances = good
+    return Outcome(pack(encoded.payload), encoded.decoded, float(distances.mean()), float(distances.max()), fineness)
 
 
 def _next(

@@ -1,0 +1,1 @@
+"""What a motion is compared with: the coders that anybody would think of first. None of them is a file format."""
