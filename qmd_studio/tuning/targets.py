@@ -107,7 +107,8 @@ def meet(
     rank = target.rank(evaluator.motion)
     lattice = Lattice(grid, evaluator)
     n_points = len(lattice.points)
-    if thorough or (thorough is None and evaluator.is_fast and n_points * evaluator.motion.X.size < _QUICK):
+    quick = evaluator.is_fast and n_points * evaluator.motion.X.size < _QUICK
+    if thorough or n_points == 0 or (thorough is None and quick):  # or a grid without settings
         return exhaustive(evaluator, grid, on_progress=on_progress, cancel=cancel, memory=memory, rank=rank)
     with Attempts(evaluator, rank, budget=n_points, on_progress=on_progress, cancel=cancel, memory=memory) as attempts:
         look = _least_error if target.bounds_size else _fewest_bytes

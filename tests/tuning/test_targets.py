@@ -84,3 +84,11 @@ def test_a_worst_distance_on_real_motion_is_kept():
 def test_a_target_that_is_no_positive_number_is_refused(value):
     with pytest.raises(CodecError, match="out of range"):
         Target(TargetKind.DEF, value)
+
+
+@pytest.mark.parametrize("encoder", [Encoder.PAPER, Encoder.CLOSED])
+@pytest.mark.parametrize("thorough", [None, False])
+def test_a_motion_for_which_the_grid_holds_nothing_has_no_best(encoder, thorough):
+    motion = walker(1)
+    evaluator = evaluator_for(motion, QmdSettings(encoder=encoder))
+    assert meet(evaluator, wide_grid(motion), Target(TargetKind.BYTES, 100), thorough=thorough).best is None
