@@ -12,10 +12,8 @@ from qmd_studio.codecs.qmd.size import payload_size
 from qmd_studio.errors import CodecError
 from qmd_studio.tuning.batch import Row
 from qmd_studio.tuning.comparison import Comparison
+from qmd_studio.tuning.sweep import FIGURE_BITS
 from qmd_studio.tuning.trial import Evaluator
-
-FIGURE_BITS = (8, 9, 10, 11)
-"""The index widths of the paper's figures."""
 
 FORMATS = ("svg", "png", "pdf")
 _KB = 1024
