@@ -8,7 +8,7 @@ from contextlib import closing
 from itertools import product
 from pathlib import Path
 
-from qmd_studio.cli.parser import UsageError
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.progress import ProgressLine
 from qmd_studio.cli.report import Report, Value
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings

@@ -9,8 +9,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from qmd_studio import storage
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_motion
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.progress import ProgressLine
 from qmd_studio.cli.report import Report, Value
 from qmd_studio.errors import QmdStudioError

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from qmd_studio import storage
 from qmd_studio.cli.encode_compact import run as run_compact
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.measure import error_lines
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.codecs.qmd.settings import Buckets, Encoder, QmdSettings

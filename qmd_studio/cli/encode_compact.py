@@ -6,9 +6,9 @@ import time
 from argparse import Namespace
 
 from qmd_studio import storage
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.measure import error_lines
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, in_bytes
 from qmd_studio.codecs.compact.file import encode
 from qmd_studio.codecs.compact.settings import CompactSettings

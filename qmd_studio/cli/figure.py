@@ -5,8 +5,8 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import OpenedMotion, open_motion
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, Value
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.tuning.evaluator import evaluator_for

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from qmd_studio import registry, storage
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_any
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.codecs.qmd.file import describe
 from qmd_studio.codecs.qmd.settings import Encoder

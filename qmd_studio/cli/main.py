@@ -7,7 +7,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from qmd_studio.cli.parser import UsageError, build_parser
+from qmd_studio.cli.grammar import UsageError
+from qmd_studio.cli.parser import build_parser
 from qmd_studio.cli.report import print_error, print_report
 from qmd_studio.errors import QmdStudioError
 

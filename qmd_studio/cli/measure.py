@@ -9,8 +9,8 @@ from argparse import Namespace
 import numpy as np
 
 from qmd_studio import storage
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_motion
-from qmd_studio.cli.parser import UsageError
 from qmd_studio.cli.report import Report, in_mm
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.metrics import MotionError, measure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from qmd_studio.cli.parser import UsageError
+from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.report import Report, in_bytes
 from qmd_studio.codecs.qmd.size import payload_size
 
