@@ -17,6 +17,7 @@ from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.storage import read_bytes, write_atomic
 
 if TYPE_CHECKING:
+    from qmd_studio.avatar.humanoid import Body
     from qmd_studio.motion.motion import Motion
 
     FORMATS: tuple[Format, ...]
@@ -81,6 +82,36 @@ def encode_motion(suffix: str, motion: Motion) -> bytes:
     if target.write is None:
         raise FormatError(f"{target.title} files can be read but not written", hint=_writable_hint())
     return target.write(motion)
+
+
+def save_figure(path: Path | str, body: Body, motion: Motion | None = None) -> None:
+    """Write `body` to `path`, whole or not at all, with `motion` on its skeleton where one is given.
+
+    Raises `FormatError` where no format has that suffix, the format holds no bodies, or the motion is on another
+    skeleton than the body, and `StorageError` where the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        data = encode_figure(path.suffix, body, motion)
+    except QmdStudioError as problem:
+        problem.located(path)
+        raise
+    write_atomic(path, data)
+
+
+def encode_figure(suffix: str, body: Body, motion: Motion | None = None) -> bytes:
+    """Return the bytes of a file with `suffix` (".x3d") that holds `body` and `motion`; see `save_figure`."""
+    target = format_for(Path(f"figure{suffix}"))
+    if target.write_figure is None:
+        raise FormatError(f"{target.title} files hold no body", hint=_hint(_suffixes_of_figures(), "hold one"))
+    if motion is not None and motion.skeleton != body.skeleton:
+        raise FormatError(
+            "the motion is on another skeleton than the body",
+            wanted=f"the {body.skeleton.n_columns} columns of {body.skeleton.name!r}",
+            got=f"the {motion.skeleton.n_columns} columns of {motion.skeleton.name!r}",
+            hint="Retarget the motion to the body first",
+        )
+    return target.write_figure(body, motion)
 
 
 def format_for(path: Path | str) -> Format:
@@ -155,4 +186,12 @@ def _check_options(options: ReadOptions) -> None:
 
 def _writable_hint() -> str:
     suffixes = [suffix for candidate in formats() if candidate.write for suffix in candidate.suffixes]
-    return f"Suffixes that can be written are {', '.join(suffixes)}"
+    return _hint(suffixes, "can be written")
+
+
+def _suffixes_of_figures() -> list[str]:
+    return [suffix for candidate in formats() if candidate.write_figure for suffix in candidate.suffixes]
+
+
+def _hint(suffixes: list[str], what: str) -> str:
+    return f"Suffixes that {what} are {', '.join(suffixes) or 'none yet'}"

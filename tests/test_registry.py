@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from qmd_studio import registry
+from qmd_studio.avatar.humanoid import Body, Surface
 from qmd_studio.errors import FormatError, StorageError
 from qmd_studio.formats.loaded import Format, ReadOptions
 from qmd_studio.motion.channels import channel_skeleton
@@ -91,6 +92,38 @@ def test_no_format_claims_another_ones_content(motion):
     for target in (".bvh", ".csv", ".npz"):
         head = registry.encode_motion(target, motion)[: registry.SNIFFED_BYTES]
         assert [entry.name for entry in registry.FORMATS if entry.sniff(head)] == [target[1:]]
+
+
+@pytest.fixture
+def body(motion):
+    corner = np.zeros((3, 3), dtype=np.float32)
+    surface = Surface(
+        corner, corner, np.array([[0, 1, 2]]), corner, np.zeros((3, 1), dtype=np.int64), corner[:, :1] + 1
+    )
+    return Body("triangle", motion.skeleton, surface, np.tile(np.eye(4), (2, 1, 1)))
+
+
+def with_figures(monkeypatch, write_figure):
+    figures = Format("figure", "Figure", (".fig",), bytes.isdigit, lambda data, options: None, None, None, write_figure)
+    others = registry.FORMATS
+    monkeypatch.setattr(registry, "formats", lambda: (figures, *others))
+
+
+def test_a_body_and_its_motion_are_written_by_the_format_of_the_suffix(tmp_path, monkeypatch, motion, body):
+    with_figures(monkeypatch, lambda body, motion: f"{body.name} {motion and motion.n_frames}".encode())
+    registry.save_figure(tmp_path / "a.fig", body, motion)
+    registry.save_figure(tmp_path / "b.fig", body)
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == [b"triangle 2", b"triangle None"]
+
+
+def test_a_body_is_not_written_where_it_would_be_lost(tmp_path, monkeypatch, motion, body):
+    with_figures(monkeypatch, lambda body, motion: b"")
+    scaled = motion.scaled(2.0)
+    for name, what, match in (("a.bvh", motion, "no body"), ("a.fig", scaled, "Retarget"), ("a.xyz", motion, "suffix")):
+        with pytest.raises(FormatError, match=match) as caught:
+            registry.save_figure(tmp_path / name, body, what)
+        assert caught.value.path == tmp_path / name
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.corpus

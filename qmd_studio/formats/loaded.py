@@ -46,6 +46,9 @@ class Format:
     `FormatError` where the motion's skeleton cannot be held; None where the format is read only.
     `companion(path, motion)` returns the path and bytes of a second file that the first, at `path`, cannot be opened
     without, or None where one stands there already.
+
+    `write_figure(body, motion)` returns the bytes of a file with a body, and with a motion on that body's skeleton
+    where one is given; None where the format holds no bodies.
     """
 
     name: str
@@ -55,3 +58,4 @@ class Format:
     read: Callable[[bytes, ReadOptions], Loaded]
     write: Callable[[Motion], bytes] | None = None
     companion: Callable[[Path, Motion], tuple[Path, bytes] | None] | None = None
+    write_figure: Callable[[Body, Motion | None], bytes] | None = None
