@@ -70,7 +70,7 @@ class Lossless:
 
 
 def _zstd_lacks() -> str:
-    return "" if lossless.has_zstd() else "zstd: not in this Python (3.14 has it; before that, pip install zstandard)"
+    return "" if lossless.has_zstd() else "zstd: not in this Python (before 3.14, pip install backports.zstd)"
 
 
 PAPER = "QMD paper"

@@ -40,7 +40,6 @@ def test_closed_row_is_what_encode_makes(qmd: Qmd, walk: Path) -> None:
 
 
 def test_text_table_and_plot_are_written(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
     table, plot = tmp_path / "c.csv", tmp_path / "c.svg"
     outcome = qmd("compare", walk, "--csv", table, "--plot", plot)
     assert outcome.code == 0

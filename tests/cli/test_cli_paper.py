@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 from pathlib import Path
 
 import pytest
@@ -12,10 +11,6 @@ from corpus import CORPUS, corpus_file
 from generated_motion import walker
 
 from qmd_studio.tuning.paper_tables import TABLE_1, TABLE_2
-
-needs_matplotlib = pytest.mark.skipif(
-    not importlib.util.find_spec("matplotlib"), reason="matplotlib is not installed: pip install 'qmd-studio[plots]'"
-)
 
 
 def test_the_formula_gives_the_papers_sizes() -> None:
@@ -55,7 +50,6 @@ def test_a_corpus_that_lacks_everything_shows_sizes_only(qmd: Qmd, tmp_path: Pat
     assert qmd("table", 2, "--corpus", tmp_path / "gone").code == 1
 
 
-@needs_matplotlib
 def test_figures_are_drawn(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
     told = qmd("figure", 5, "-o", tmp_path / "5.svg", "--json").json
     assert (told["n"], told["m"]) == (100, 62)
@@ -69,7 +63,6 @@ def test_figures_are_drawn(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
     assert told["def"]["11"][0] < told["def"]["8"][0]
 
 
-@needs_matplotlib
 def test_figures_of_no_motion_or_no_format_are_refused(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
     assert qmd("figure", 6, "-o", tmp_path / "6.svg").code == 2
     outcome = qmd("figure", 6, walk, "-o", tmp_path / "6.gif", "--json")

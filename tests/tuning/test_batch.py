@@ -5,6 +5,8 @@ import multiprocessing
 import threading
 from pathlib import Path
 
+import distributed
+import psutil
 import pytest
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
@@ -124,13 +126,21 @@ def test_a_damaged_folder_is_refused(tmp_path, text):
 
 
 def test_a_real_cluster_does_the_same_jobs(walks):
-    distributed = pytest.importorskip("distributed", reason="Dask is not installed: pip install 'qmd-studio[cluster]'")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster("127.0.0.1", n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        assert cluster.scheduler_address.startswith("tcp://127.0.0.1:")
+        workers = [psutil.Process(nanny.pid) for nanny in cluster.workers.values()]
+        assert {place for process in (psutil.Process(), *workers) for place in _listens_at(process)} == {"127.0.0.1"}
         there = list(run_jobs(jobs_of(walks), cluster=cluster.scheduler_address))
+    assert len(workers) == 2
+    assert not psutil.wait_procs(workers, timeout=10)[1]
     here = {result.job.path: result.rows for result in map(run_job, jobs_of(walks))}
     assert len(there) == 3
     for result in there:
         assert [row["def"] for row in result.rows] == [row["def"] for row in here[result.job.path]]
+
+
+def _listens_at(process):
+    return [entry.laddr.ip for entry in process.net_connections("tcp") if entry.status == psutil.CONN_LISTEN]
 
 
 def test_a_cluster_out_of_reach_is_an_error_with_the_next_step(walks):

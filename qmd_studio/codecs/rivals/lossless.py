@@ -17,8 +17,8 @@ from qmd_studio.codecs.rivals.pcodec_matrix import pack_matrix, unpack_matrix
 
 _ZIP_LEVEL = 9
 _ZSTD_LEVEL = 19
-_ZSTD_MODULES = ("compression.zstd", "zstandard")
-"""Python's own from 3.14 on, and the package that does the same before that."""
+_ZSTD_MODULES = ("compression.zstd", "backports.zstd")
+"""Python's own from 3.14 on, and the package that is the very same module before that."""
 
 
 def raw_bytes_of(matrix: Float32Array) -> bytes:
@@ -42,7 +42,7 @@ def zip_matrix(data: bytes, n_columns: int) -> Float32Array:
 
 
 def has_zstd() -> bool:
-    """Return whether this Python can do zstd."""
+    """Return whether this Python can do zstd; a Python built without its library cannot."""
     return _zstd() is not None
 
 
