@@ -9,16 +9,17 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
+from qmd_studio.formats import bvh_write
 from qmd_studio.formats.bvh_hierarchy import BvhNode, parse_hierarchy, parse_number
 from qmd_studio.formats.bvh_numbers import MotionHead, Rows, parse_head, parse_rows
-from qmd_studio.formats.bvh_write import write
 from qmd_studio.formats.frame_rate import rate_from_frame_time
 from qmd_studio.formats.length_unit import with_guessed_unit
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
-from qmd_studio.motion.channels import channel_skeleton, default_site_name
+from qmd_studio.motion.as_euler import as_euler
+from qmd_studio.motion.channels import channel_skeleton, default_site_name, has_channels
 from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.motion.motion import Motion, check_frame_rate
-from qmd_studio.motion.skeleton import ColumnKind, EndSite, Skeleton, Vector3
+from qmd_studio.motion.skeleton import LARGEST, ColumnKind, EndSite, Skeleton, Vector3
 
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(?=MOTION\b)", re.IGNORECASE)
 _SNIFF = re.compile(rb"\s*HIERARCHY\s", re.IGNORECASE)
@@ -26,6 +27,8 @@ REST_FPS = 30.0
 """The rate of the one frame of a file without motion."""
 _ADDED_SHARE = 0.05
 """Positions of at most this share of their offsets cannot be meant to replace them."""
+_NEAR = 0.1
+"""The share of `LARGEST` from which on a file is read again before it is handed out."""
 _UTF8_BOM = b"\xef\xbb\xbf"
 
 
@@ -157,6 +160,36 @@ def _factors(skeleton: Skeleton) -> np.ndarray[tuple[int], np.dtype[np.float64]]
     radians = math.radians(1.0)
     turns = [column.kind is ColumnKind.ROTATION for column in skeleton.columns]
     return np.where(turns, radians, skeleton.metres_per_unit)
+
+
+def write(motion: Motion) -> bytes:
+    """Return a BVH file that holds `motion`; see `bvh_write`.
+
+    Raises `FormatError` also for a motion so large that the file would not open again: BVH does not say its length
+    unit, and under the one that is guessed on opening lengths may pass `LARGEST`.
+    """
+    motion = motion if has_channels(motion.skeleton) else as_euler(motion)
+    data = bvh_write.write(motion)
+    if _is_vast(motion):
+        try:
+            read(data, ReadOptions())
+        except FormatError as problem:
+            raise FormatError(
+                f"a BVH file of this motion would not open again: {problem.message}",
+                at=problem.at,
+                wanted=problem.wanted,
+                got=problem.got,
+                hint="A BVH file does not say its length unit, which is guessed on opening; save it as CSV or NPZ",
+            ) from None
+    return data
+
+
+def _is_vast(motion: Motion) -> bool:
+    """Return whether a number of the file could be too large for the reader, in whatever unit that takes it."""
+    skeleton = motion.skeleton
+    offsets = [*(joint.offset for joint in skeleton.joints), *(site.offset for site in skeleton.end_sites)]
+    largest = max(np.abs(motion.X).max(initial=0.0), np.abs(offsets).max())
+    return bool(largest / min(skeleton.metres_per_unit, 1.0) > LARGEST * _NEAR)
 
 
 FORMAT = Format(name="bvh", title="Biovision Hierarchy", suffixes=(".bvh",), sniff=sniff, read=read, write=write)

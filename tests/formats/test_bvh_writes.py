@@ -1,9 +1,12 @@
 """What is read from BVH and written again is equal, and the second writing is the same bytes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from qmd_studio.errors import FormatError
 from qmd_studio.formats import bvh
@@ -99,6 +102,47 @@ def test_a_name_that_bvh_cannot_hold_is_refused(bad):
     skeleton = channel_skeleton([(bad, -1, (0.0, 1.0, 0.0), ["Xrotation"])], [])
     with pytest.raises(FormatError, match="cannot hold this name"):
         bvh.FORMAT.write(Motion(skeleton, np.zeros((1, 1)), 30.0))
+
+
+vast = st.sampled_from([0.0, 1e-9, 0.3, 1.7, 100.0, 1e6, 1e11, 9.99e11, 1e12, -1e12])
+
+
+@st.composite
+def vast_motions(draw):
+    """Motions up to the bound of what a motion may hold, in any unit that a file may have."""
+    joints = []
+    for index in range(draw(st.integers(1, 3))):
+        offset = draw(st.tuples(vast, vast, vast) | st.just((0.0, 0.1, 0.0)))
+        joints.append((f"j{index}", index - 1, offset, ["Yposition", *draw(rotations)]))
+    skeleton = replace(channel_skeleton(joints, []), metres_per_unit=draw(st.sampled_from([1e-6, 0.01, 0.3, 1.0, 1e6])))
+    X = draw(arrays(np.float64, (2, skeleton.n_columns), elements=vast | st.floats(-3, 3)))
+    return Motion(skeleton, X, 30.0)
+
+
+@settings(max_examples=300, deadline=None)
+@given(vast_motions())
+def test_what_is_written_near_the_bound_opens_again_or_is_refused_at_once(motion):
+    largest = max(np.abs(motion.X).max(), *(abs(v) for joint in motion.skeleton.joints for v in joint.offset))
+    refusal = ""
+    try:
+        data = bvh.FORMAT.write(motion)
+    except FormatError as problem:
+        refusal = problem.message
+    if refusal:
+        assert largest > 1e5
+        assert "would not open again" in refusal
+    else:
+        assert bvh.read(data, ReadOptions()).motion.n_frames == 2
+
+
+def test_a_small_figure_that_strays_far_is_refused_with_the_unit_as_the_reason():
+    joints = [("hips", -1, (0.0, 0.1, 0.0), ["Xposition"]), ("head", 0, (0.0, 0.1, 0.0), [])]
+    skeleton = replace(channel_skeleton(joints, []), metres_per_unit=0.01)  # 20 units tall: decimetres, says the reader
+    bvh.FORMAT.write(Motion(skeleton, np.array([[1e10]]), 30.0))
+    with pytest.raises(FormatError, match="would not open again") as caught:
+        bvh.FORMAT.write(Motion(skeleton, np.array([[5e11]]), 30.0))
+    assert "length unit" in caught.value.hint
+    assert "hips" in caught.value.at
 
 
 def test_a_chain_of_ten_thousand_joints_is_written_and_read():
