@@ -47,6 +47,8 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
     path = Path(path)
     _check_options(options)
     data = read_bytes(path)
+    if not data:
+        raise FormatError("the file is empty", path=path, wanted="a motion or a body", hint="Get a whole copy")
     try:
         chosen = recognise(data, path)
         return chosen.read(data, replace(options, path=path))

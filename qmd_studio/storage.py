@@ -24,12 +24,14 @@ def read_bytes(path: Path | str, *, limit: int = MAX_FILE_BYTES) -> bytes:
     try:
         with path.open("rb") as stream:
             data = _read_at_most(stream, limit + 1)
-    except OSError as problem:
+    except IsADirectoryError as problem:
+        raise StorageError("is a folder", path=path, wanted="a file", hint="Name a file that is in it") from problem
+    except (OSError, ValueError) as problem:  # ValueError: no file can have this name
         raise StorageError(
             _reason(problem), path=path, hint="Check the name and that you may read the file"
         ) from problem
     if len(data) > limit:
-        raise StorageError("the file is too large to open", path=path, wanted=f"at most {limit} bytes")
+        raise StorageError("the file is too large to open", path=path, wanted=f"at most {limit:,} bytes")
     return data
 
 
@@ -40,7 +42,7 @@ def write_atomic(path: Path | str, data: bytes) -> None:
     fsynced. A link is followed, an existing file keeps its permissions. Raises `StorageError`; the old file then still
     stands and the temporary one is gone. A device or a pipe is refused: the renaming would put a file in its place.
     """
-    target = Path(os.path.realpath(path))
+    target = _target(path)
     if _is_special(target):
         raise StorageError(
             "this is a device or a pipe, which cannot be written whole or not at all",
@@ -57,7 +59,7 @@ def write_atomic(path: Path | str, data: bytes) -> None:
         raise StorageError(
             f"the file could not be written: {_reason(problem)}",
             path=path,
-            hint="Choose another folder or free some room; what stood there before is untouched",
+            hint=_way_out(target, problem),
         ) from problem
     finally:
         with contextlib.suppress(OSError):
@@ -76,6 +78,21 @@ def _read_at_most(stream: BinaryIO, count: int) -> bytes:
         pieces.append(piece)
         count -= len(piece)
     return b"".join(pieces)
+
+
+def _target(path: Path | str) -> Path:
+    try:
+        return Path(os.path.realpath(path))
+    except ValueError as problem:
+        raise StorageError(f"no file can have this name: {problem}", path=path, hint="Choose another name") from problem
+
+
+def _way_out(target: Path, problem: OSError) -> str:
+    if isinstance(problem, FileNotFoundError) and not target.parent.exists():
+        return f"There is no folder {target.parent}; make it first, or choose another"
+    if isinstance(problem, IsADirectoryError):
+        return "A folder has this name; choose another name"
+    return "Choose another folder or free some room; what stood there before is untouched"
 
 
 def _is_special(target: Path) -> bool:
@@ -113,5 +130,5 @@ def _sync_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-def _reason(problem: OSError) -> str:
-    return (problem.strerror or str(problem)).lower()
+def _reason(problem: OSError | ValueError) -> str:
+    return (getattr(problem, "strerror", None) or str(problem)).lower()

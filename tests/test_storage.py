@@ -163,7 +163,7 @@ def _spin(turns: int) -> None:
 def test_reading_says_why_it_cannot(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="no such file"):
         storage.read_bytes(tmp_path / "absent.bvh")
-    with pytest.raises(StorageError, match="is a directory"):
+    with pytest.raises(StorageError, match="is a folder"):
         storage.read_bytes(tmp_path)
 
 
@@ -172,3 +172,16 @@ def test_file_over_the_limit_is_refused(tmp_path: Path) -> None:
     assert storage.read_bytes(tmp_path / "a.bvh", limit=5) == b"12345"
     with pytest.raises(StorageError, match="too large"):
         storage.read_bytes(tmp_path / "a.bvh", limit=4)
+
+
+def test_a_name_that_no_file_can_have_is_refused(tmp_path: Path) -> None:
+    for act in (storage.read_bytes, lambda path: storage.write_atomic(path, b"")):
+        with pytest.raises(StorageError, match="null"):
+            act(tmp_path / "a\0b")
+
+
+def test_writing_into_a_folder_that_is_not_there_says_so(tmp_path: Path) -> None:
+    with pytest.raises(StorageError) as caught:
+        storage.write_atomic(tmp_path / "none" / "walk.bvh", b"x")
+    assert "There is no folder" in (caught.value.hint or "")
+    assert not list(tmp_path.iterdir())

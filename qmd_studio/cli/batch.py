@@ -21,7 +21,7 @@ _MOTION_SUFFIXES = frozenset((".amc", ".bvh", ".bap", ".csv", ".npz"))
 
 
 def run(arguments: Namespace) -> Report:
-    """Run what is missing of a batch. Files that cannot be encoded are told, and do not stop the others.
+    """Run what is missing of a batch. Files that cannot be encoded are told, and stop only the exit code from being 0.
 
     Raises `StorageError` where the folder cannot be made, `CodecError` where plots or the cluster cannot be had.
     """
@@ -60,7 +60,7 @@ def run(arguments: Namespace) -> Report:
         ("results", f"{len(folder.rows):,} in {folder.table}"),
         ("took", f"{seconds:.2f} s"),
     ]
-    return Report(values, lines, tuple(failed))
+    return Report(values, lines, tuple(failed), failed=bool(failed))
 
 
 def _jobs(arguments: Namespace) -> list[Job]:

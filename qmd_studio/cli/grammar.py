@@ -73,7 +73,9 @@ def whole(option: str, low: int, high: int) -> Callable[[str], int]:
             value = int(text)
         except ValueError:
             raise bad_value(option, wanted, text) from None
-        if not low <= value <= high:
+        if value > high:
+            raise bad_value(option, f"a whole number from {low} to {high}", text)
+        if value < low:
             raise bad_value(option, wanted, text)
         return value
 
@@ -108,9 +110,10 @@ def above_zero(option: str) -> Callable[[str], float]:
     return lambda text: number(option, "a positive number", text, lambda value: 0 < value < math.inf)
 
 
-def positive(text: str) -> float:
-    """Read a frame rate."""
-    return number("--fps", "a positive number", text, lambda value: 0 < value < math.inf)
+def frame_rate(text: str) -> float:
+    """Read a number of frames a second."""
+    low, high = 1e-3, 1e5  # `FRAME_RATES` of the motion, whose module would load NumPy
+    return number("--fps", f"{low:g} to {high:g} frames a second", text, lambda value: low <= value <= high)
 
 
 def weight(text: str) -> float:

@@ -40,7 +40,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(words: list[str], *, as_json: bool) -> int:
     try:
         arguments = build_parser().parse_args(words)
-        print_report(arguments.run(arguments), as_json=as_json)
+        report = arguments.run(arguments)
+        print_report(report, as_json=as_json)
     except UsageError as error:
         if not as_json:
             print(error.usage, end="", file=sys.stderr)
@@ -49,7 +50,7 @@ def _run(words: list[str], *, as_json: bool) -> int:
     except QmdStudioError as error:
         print_error(error, as_json=as_json)
         return EXIT_INPUT
-    return 0
+    return EXIT_INPUT if report.failed else 0
 
 
 def _print_any_character() -> None:

@@ -16,7 +16,7 @@ from qmd_studio.cli.grammar import (
     add_whole,
     bad_value,
     distance,
-    positive,
+    frame_rate,
     weight,
     wholes,
 )
@@ -69,7 +69,9 @@ def _add_convert(verbs: Any) -> None:
     parser.add_argument("input", metavar="IN")
     parser.add_argument("output", metavar="OUT")
     add_skeleton(parser)
-    parser.add_argument("--fps", metavar="F", type=positive, help="the frame rate, where the file's is wrong or absent")
+    parser.add_argument(
+        "--fps", metavar="F", type=frame_rate, help="the frame rate, where the file's is wrong or absent"
+    )
 
 
 def _add_size(verbs: Any) -> None:
@@ -217,5 +219,5 @@ def _add_bounds(parser: ArgumentParser) -> None:
 def _encoders(text: str) -> tuple[str, ...]:
     names = tuple(dict.fromkeys(text.split(",")))
     if not set(names) <= set(ENCODERS):
-        raise bad_value("--encoder", f"of {', '.join(ENCODERS)}", text)
+        raise bad_value("--encoder", f"one or more of {', '.join(ENCODERS)}, with commas between", text)
     return names

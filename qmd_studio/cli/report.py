@@ -15,12 +15,16 @@ Value: TypeAlias = "str | int | float | Mapping[str, Value] | Sequence[Value] | 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """A verb's answer: `values` are the keys of `--json`, `lines` the same for people, as (what, value) pairs."""
+    """A verb's answer: `values` are the keys of `--json`, `lines` the same for people, as (what, value) pairs.
+
+    Where `failed`, a part of the input was at fault and the rest was done: the exit code says so.
+    """
 
     values: Mapping[str, Value]
     lines: Sequence[tuple[str, str]]
     warnings: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    failed: bool = False
 
 
 def print_report(report: Report, *, as_json: bool) -> None:

@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> Report:
     if outcome.best is None:
         raise CodecError(
             "the grid holds no setting for this motion",
-            wanted="a file no larger than the raw motion" if grid.largest_bytes else "FDF up to the motion's columns",
+            wanted=_allowed(grid, motion),
             hint="Widen it with --fdf, --bits and --segments, or allow larger files with --any-size",
         )
     report = TuningSession(motion).evaluate(outcome.best.settings)
@@ -85,6 +85,13 @@ def _grid(arguments: Namespace, motion: Motion, target: Target | None) -> Grid:
 
 def _count(grid: Grid, motion: Motion) -> int:
     return sum(len(column.bits) for column in grid.columns(motion))
+
+
+def _allowed(grid: Grid, motion: Motion) -> str:
+    fdf = f"an FDF of at most {motion.skeleton.n_columns}"
+    if grid.largest_bytes is None:
+        return fdf
+    return f"{fdf} and a payload of at most {grid.largest_bytes:,} bytes, the raw motion's"
 
 
 def _best(best: Trial, report: EncodeReport) -> dict[str, Value]:

@@ -85,7 +85,9 @@ def test_a_batch_does_a_folder_and_goes_on(qmd: Qmd, tmp_path: Path) -> None:
     (folder / "broken.bvh").write_text("HIERARCHY")
     (folder / "notes.txt").write_text("not a motion")
     words = ("batch", folder, "-o", out, "--encoder", "paper,closed", "--fdf", "0,6", "--jobs", 1, "--json")
-    told = qmd(*words).json
+    outcome = qmd(*words)
+    told = outcome.json
+    assert outcome.code == 1  # one file could not be read; the others are done
     assert (told["files"], told["failed"], told["rows"], told["done_before"]) == (3, 1, 8, 0)
     assert "broken.bvh" in told["warnings"][0]
     with (out / "batch.csv").open(newline="") as stream:
@@ -93,6 +95,8 @@ def test_a_batch_does_a_folder_and_goes_on(qmd: Qmd, tmp_path: Path) -> None:
     assert len(list((out / "logs").iterdir())) == 3
     again = qmd(*words).json
     assert (again["done_before"], again["rows"]) == (2, 8)
+    (folder / "broken.bvh").unlink()
+    assert qmd(*words).code == 0
 
 
 def test_a_batch_of_nothing_is_a_mistake_of_usage(qmd: Qmd, tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from command_line import ROOT, Qmd
 
+from qmd_studio.motion.motion import FRAME_RATES
+
 ERROR_KEYS = {"error", "file", "at", "wanted", "got", "hint"}
 SIZE = "size --frames 10 --dofs 5 --fdf 1 --segment 0"
 USAGE_MISTAKES = [
@@ -70,6 +72,32 @@ def test_file_of_no_known_kind_is_an_input_error(qmd: Qmd, tmp_path: Path) -> No
     outcome = qmd("info", path, "--json")
     assert outcome.code == 1
     assert outcome.json["file"] == str(path)
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".qmd", ".amc", ".npz", ""])
+def test_empty_file_is_called_so(qmd: Qmd, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"motion{suffix}"
+    path.touch()
+    outcome = qmd("info", path, "--json")
+    assert (outcome.code, outcome.json["error"], outcome.json["file"]) == (1, "the file is empty", str(path))
+
+
+def test_folder_in_place_of_a_file_is_called_so(qmd: Qmd, tmp_path: Path) -> None:
+    outcome = qmd("info", tmp_path, "--json")
+    assert (outcome.code, outcome.json["error"], outcome.json["wanted"]) == (1, "is a folder", "a file")
+
+
+@pytest.mark.parametrize("rate", ["0", "-1", "nan", "inf", "1e300", "1e-300", "1e6", "fast", ""])
+def test_rate_that_nothing_plays_at_is_a_mistake_of_usage(qmd: Qmd, tmp_path: Path, rate: str) -> None:
+    outcome = qmd("convert", tmp_path / "in.bvh", tmp_path / "out.bvh", f"--fps={rate}", "--json")
+    assert (outcome.code, outcome.json["wanted"]) == (2, "0.001 to 100000 frames a second")
+    assert FRAME_RATES == (0.001, 100000)
+
+
+def test_count_beyond_all_bounds_says_the_bound(qmd: Qmd) -> None:
+    outcome = qmd(*f"{SIZE} --bits 8 --json".replace("10", "99999999999999", 1).split())
+    assert outcome.code == 2
+    assert outcome.json["wanted"] == "a whole number from 0 to 2147483648"
 
 
 def test_version_is_printed(qmd: Qmd, capsys: pytest.CaptureFixture[str]) -> None:

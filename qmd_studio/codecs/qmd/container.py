@@ -89,7 +89,13 @@ def parse(data: bytes) -> Container:
     Raises `FormatError` where it is no QMD file, of a later version, shorter or longer than it says, or damaged.
     """
     if not data.startswith(MAGIC):
-        raise FormatError("this is not a QMD file", at="byte 0", wanted=repr(MAGIC), got=repr(bytes(data[:4])))
+        raise FormatError(
+            "this is not a QMD file",
+            at="byte 0",
+            wanted=f"the bytes {MAGIC.hex(' ')}",
+            got=bytes(data[:4]).hex(" ") or "the end of the file",
+            hint="qmd info says what a file is, and qmd convert turns other formats into each other",
+        )
     if len(data) < HEADER.size:
         raise FormatError(
             "the file ends inside its header", wanted=f"{HEADER.size} bytes", got=str(len(data)), hint=_INCOMPLETE
