@@ -5,12 +5,13 @@ from __future__ import annotations
 import io
 import os
 import sys
+import threading
 from collections.abc import Sequence
 
 from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.parser import build_parser
 from qmd_studio.cli.report import print_error, print_report
-from qmd_studio.errors import QmdStudioError
+from qmd_studio.errors import CodecError, QmdStudioError
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
@@ -33,6 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"qmd: the output could not be written: {problem.strerror}", file=sys.stderr)
         return EXIT_INPUT
     except KeyboardInterrupt:
+        _end_threads()
         return EXIT_INTERRUPTED
     return code
 
@@ -50,6 +52,10 @@ def _run(words: list[str], *, as_json: bool) -> int:
     except QmdStudioError as error:
         print_error(error, as_json=as_json)
         return EXIT_INPUT
+    except MemoryError:
+        hint = "Take a part of the motion, or close other programs"
+        print_error(CodecError("there is not enough memory for this motion", hint=hint), as_json=as_json)
+        return EXIT_INPUT
     return EXIT_INPUT if report.failed else 0
 
 
@@ -58,6 +64,15 @@ def _print_any_character() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+
+
+def _end_threads() -> None:
+    """End the program at once where threads of a search still encode: Python would wait for them, a minute or more."""
+    if any(thread.name.startswith("qmd-tuning") for thread in threading.enumerate()):
+        for stream in (sys.stdout, sys.stderr):
+            if stream:
+                stream.flush()
+        os._exit(EXIT_INTERRUPTED)
 
 
 def _forget_output() -> None:

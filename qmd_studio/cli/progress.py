@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import sys
+import time
 
 from qmd_studio.tuning.outcome import Progress
+
+_TELL_EVERY_S = 1.0
+_WORTH_SAYING_S = 5.0
 
 
 class ProgressLine:
@@ -13,13 +17,21 @@ class ProgressLine:
     def __init__(self, *, quiet: bool) -> None:
         self._shown = not quiet and sys.stderr.isatty()
         self._percent = -1
+        self._started = self._told_at = time.monotonic()
 
     def tell(self, done: int, total: int, note: str = "") -> None:
-        """Say that `done` of `total` are done, when that is another per cent than before."""
-        percent = 100 * done // max(total, 1)
-        if self._shown and percent != self._percent:
-            self._percent = percent
-            print(f"\r{percent:3} %  {done:,} of {total:,}  {note}\033[K", end="", file=sys.stderr, flush=True)
+        """Say that `done` of `total` are done, when that is another per cent than before or a second has passed."""
+        percent, now = 100 * done // max(total, 1), time.monotonic()
+        if self._shown and (percent != self._percent or now - self._told_at >= _TELL_EVERY_S):
+            self._percent, self._told_at = percent, now
+            text = f"{percent:3} %  {done:,} of {total:,}{self._left(done, total)}  {note}"
+            print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
+
+    def _left(self, done: int, total: int) -> str:
+        """Return how long the rest will take at most, where that is worth saying."""
+        passed = time.monotonic() - self._started
+        left = passed * (total - done) / max(done, 1)
+        return f"  {left / 60:,.0f} min at most" if done and passed > _WORTH_SAYING_S and left >= 60 else ""
 
     def of_search(self, progress: Progress) -> None:
         """Say how far a search is, and its best so far."""

@@ -54,10 +54,11 @@ def run(arguments: Namespace) -> Report:
 
 
 def _found(arguments: Namespace, motion: Motion, base: QmdSettings, grid: Grid, target: Target | None) -> Outcome:
-    evaluator = evaluator_for(motion, base)
-    memory = Memory(evaluator, Path(arguments.state) if arguments.state else None)
     line = ProgressLine(quiet=arguments.json)
     try:
+        line.tell(0, 1, "getting ready")
+        evaluator = evaluator_for(motion, base)
+        memory = Memory(evaluator, Path(arguments.state) if arguments.state else None)
         if target:
             thorough = True if arguments.exhaustive else None
             return meet(evaluator, grid, target, memory=memory, on_progress=line.of_search, thorough=thorough)

@@ -12,6 +12,7 @@ from typing import Self, TypeAlias
 from qmd_studio.tuning.lattice import Point
 from qmd_studio.tuning.memory import Memory
 from qmd_studio.tuning.outcome import OnProgress, Outcome, Progress
+from qmd_studio.tuning.running import THREAD_NAME
 from qmd_studio.tuning.trial import Cancel, Evaluator, Never, Trial
 
 Rank: TypeAlias = Callable[[Trial], tuple[float, ...]]
@@ -26,7 +27,8 @@ def by_merit(trial: Trial) -> tuple[float, ...]:
 class Attempts:
     """Tries points while the `budget` lasts and nobody cancels; a context that ends its threads when it is left.
 
-    Points that were tried before, here or in `memory`, cost nothing of the budget.
+    Points that were tried before, here or in `memory`, cost nothing of the budget. Left by Ctrl+C it does not wait for
+    what its threads are encoding: that takes long for a long motion, and the program ends.
     """
 
     def __init__(
@@ -43,7 +45,7 @@ class Attempts:
         self.trials: dict[Point, Trial] = {}
         self._evaluator, self._on_progress = evaluator, on_progress
         self._cancel, self._memory = cancel or Never(), memory or Memory(evaluator)
-        self._pool = ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="qmd-tuning")
+        self._pool = ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix=THREAD_NAME)
         self._started = time.perf_counter()
 
     def __enter__(self) -> Self:
@@ -52,7 +54,7 @@ class Attempts:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool.shutdown(wait=not (kind and issubclass(kind, KeyboardInterrupt)), cancel_futures=True)
         self._memory.save()
 
     @property
@@ -72,21 +74,16 @@ class Attempts:
     def try_all(self, points: Iterable[Point]) -> None:
         """Try `points`, as far as the budget goes, on all cores."""
         fresh = [point for point in dict.fromkeys(points) if point not in self.trials]
-        latest = []
-        for point in fresh:
-            if known := self._memory.get(*point):
-                self.trials[point] = known
-                latest.append(known)
-        fresh = [point for point in fresh if point not in self.trials][: max(0, self.budget - self.evaluations)]
+        known = {point: trial for point in fresh if (trial := self._memory.get(*point))}
+        self.trials |= known
+        self._tell(list(known.values()))
+        fresh = [point for point in fresh if point not in known][: max(0, self.budget - self.evaluations)]
         for point, trial in zip(fresh, self._pool.map(self._one, fresh), strict=True):
             if trial is not None:
                 self.trials[point] = trial
                 self.evaluations += 1
-                latest.append(trial)
-        if latest:
-            self._memory.add(latest)
-            if self._on_progress:
-                self._on_progress(Progress(self.evaluations, self.budget, self.best, tuple(latest)))
+                self._memory.add([trial])
+                self._tell([trial])
 
     def outcome(self) -> Outcome:
         """Return what has been found; complete unless it was cancelled."""
@@ -97,6 +94,10 @@ class Attempts:
             seconds=time.perf_counter() - self._started,
             complete=not self._cancel.is_set(),
         )
+
+    def _tell(self, latest: list[Trial]) -> None:
+        if latest and self._on_progress:
+            self._on_progress(Progress(self.evaluations, self.budget, self.best, tuple(latest)))
 
     def _one(self, point: Point) -> Trial | None:
         if self._cancel.is_set():

@@ -30,6 +30,12 @@ _MOST_VALUES_AT_ONCE = 1 << 22
 
 _SEGMENTATIONS_KEPT = 4
 
+_BYTES_A_VALUE = 75
+"""Memory that a search takes for each value of the motion, at its peak (measured)."""
+
+_ALWAYS_FITS = 1 << 20
+"""Motions of fewer values are not worth asking for."""
+
 
 def evaluator_for(motion: Motion, base: QmdSettings) -> Evaluator:
     """Return the fastest way to try settings of `base`'s encoder on `motion`.
@@ -38,7 +44,24 @@ def evaluator_for(motion: Motion, base: QmdSettings) -> Evaluator:
     """
     if not motion.skeleton.points or not motion.skeleton.n_columns:
         raise CodecError("there is nothing to tune", wanted="a motion with columns and joints to measure at")
+    _check_memory(motion)
     return FastEvaluator(motion, base) if base.encoder in FAST_ENCODERS else SessionEvaluator(motion, base)
+
+
+def _check_memory(motion: Motion) -> None:
+    """Raise `CodecError` where what a search keeps of the motion would not fit: a machine that swaps answers nobody."""
+    if motion.X.size < _ALWAYS_FITS:
+        return
+    import psutil
+
+    wanted, free = _BYTES_A_VALUE * motion.X.size, psutil.virtual_memory().available
+    if wanted > free:
+        raise CodecError(
+            "there is not enough memory to search on this motion",
+            wanted=f"about {wanted / 1e9:.1f} GB",
+            got=f"{free / 1e9:.1f} GB free",
+            hint="Take a part of the motion, or close other programs",
+        )
 
 
 class SessionEvaluator:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -11,6 +12,12 @@ from qmd_studio.errors import CodecError
 from qmd_studio.motion.motion import Motion
 
 _FLOAT_BYTES = 4
+MOST_SETTINGS = 2_000_000
+"""A grid of more is refused: naming its settings alone would fill the memory."""
+
+_MOST_STOPS = 1_000
+"""Segment lengths of the wide grid; motions of over 30,000 frames have them in larger steps."""
+
 _STEP = 30
 """The paper's step of n_d (section 5.3)."""
 
@@ -66,6 +73,14 @@ class Grid:
             if wrong is not None or not values:
                 wanted = f"{low} to {high}" if high is not None else f"{low} or more"
                 raise CodecError(f"the grid's {name} is out of range", wanted=wanted, got=str(wrong))
+        count = len(self.fdf) * len(self.bits) * len(self.segments)
+        if count > MOST_SETTINGS:
+            raise CodecError(
+                "the grid holds too many settings",
+                wanted=f"at most {MOST_SETTINGS:,}",
+                got=f"{count:,}",
+                hint="Name fewer values of FDF, b or n_d",
+            )
 
 
 def raw_bytes(motion: Motion) -> int:
@@ -85,8 +100,10 @@ def paper_grid(motion: Motion) -> Grid:
 def wide_grid(motion: Motion) -> Grid:
     """Return the grid of every FDF but the last, every b, n_d in multiples of 30 and one segment.
 
+    A very long motion has n_d in multiples of more, so that there are `_MOST_STOPS` of them at most.
     No file may be larger than the raw motion: without that bound bytes times DEF is least where nearly all is exact.
     """
-    segments = (*range(_STEP, motion.n_frames - 1, _STEP), 0)
+    step = _STEP * math.ceil(motion.n_frames / (_STEP * _MOST_STOPS))
+    segments = (*range(step, motion.n_frames - 1, step), 0)
     fdf = tuple(range(max(motion.skeleton.n_columns, 1)))
     return Grid(fdf, tuple(range(MIN_BITS, MAX_BITS + 1)), segments, raw_bytes(motion))

@@ -23,6 +23,12 @@ _T = TypeVar("_T")
 SHARE, AT_LEAST = 0.05, 120
 """What a search may spend: a share of the grid's settings, or a few where the grid is small."""
 
+MOST_VALUES = 30_000_000_000
+"""Values, those of the motion times settings, that a search encodes at most beyond `AT_LEAST`: some minutes."""
+
+_SLOWER = 50
+"""How much longer an encoder takes that is not fast."""
+
 _NET = 5
 """FDFs of the coarse net at each index width."""
 
@@ -53,7 +59,7 @@ def search(
     that `cancel` stops returns what it has, `complete` False.
     """
     lattice = Lattice(grid, evaluator)
-    budget = budget_for(lattice)
+    budget = budget_for(lattice, evaluator)
     with Attempts(evaluator, rank, budget=budget, on_progress=on_progress, cancel=cancel, memory=memory) as attempts:
         attempts.try_all(_net(lattice))
         attempts.try_all(spread(_edge(lattice), int(budget * _EDGE_SHARE)))
@@ -61,9 +67,11 @@ def search(
         return attempts.outcome()
 
 
-def budget_for(lattice: Lattice) -> int:
-    """Return how many settings a search of `lattice` may encode."""
-    return max(AT_LEAST, int(SHARE * len(lattice.points)))
+def budget_for(lattice: Lattice, evaluator: Evaluator) -> int:
+    """Return how many settings a search of `lattice` may encode: fewer where each takes long."""
+    values = MOST_VALUES if evaluator.is_fast else MOST_VALUES // _SLOWER
+    affordable = values // max(evaluator.motion.X.size, 1)
+    return max(AT_LEAST, min(int(SHARE * len(lattice.points)), affordable))
 
 
 def walk_downhill(attempts: Attempts, lattice: Lattice) -> None:

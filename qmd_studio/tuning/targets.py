@@ -129,7 +129,7 @@ def _least_error(attempts: Attempts, lattice: Lattice, evaluator: Evaluator, tar
 def _fewest_bytes(attempts: Attempts, lattice: Lattice, evaluator: Evaluator, target: Target) -> None:
     """Try the smallest files first; then halve the FDFs of each b and n_d that can still be smaller than the best."""
     sizes = _sizes(lattice, evaluator)
-    smallest = sorted(sizes, key=lambda point: sizes[point])[: budget_for(lattice) // 2]
+    smallest = sorted(sizes, key=lambda point: sizes[point])[: budget_for(lattice, evaluator) // 2]
     for start in range(0, len(smallest), _BATCH):
         attempts.try_all(smallest[start : start + _BATCH])
         if attempts.over or _is_met(attempts, evaluator, target):

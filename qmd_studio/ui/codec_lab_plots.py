@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,7 @@ class PlotPanel(QWidget):
         self._settings: QmdSettings | None = None
         self._swept: tuple[Motion, QmdSettings] | None = None
         self._complete = False
+        self._drawing: Callable[[], None] | None = None
         self._shown: tuple[object, ...] = ()
         self._marked: dict[Side, tuple[QmdSettings | None, EncodeReport | None]] = {}
         self._trials: list[Trial] = []
@@ -70,7 +71,7 @@ class PlotPanel(QWidget):
     def busy(self) -> bool:
         """Whether anything is being computed, or will be when the hand has rested."""
         works = (self.importing, self.sweeping, self.searching)
-        making = self.size is not None and self.pareto is None
+        making = self.size is not None and (self.pareto is None or self._drawing is not None)
         return making or self._rest.isActive() or any(work.running for work in works)
 
     def show_motion(self, motion: Motion | None, settings: QmdSettings | None) -> None:
@@ -202,24 +203,27 @@ class PlotPanel(QWidget):
     # What is drawn
 
     def _make_plots(self) -> None:
-        """Make one plot, and the next when the window has had time for something else."""
+        """Make one plot, or draw the one just made; the next when the window has had time for something else."""
         from qmd_studio.ui.plot import Plot
 
-        kb = self.tr("KB")
-        if self.size is None:
+        kb, draw = self.tr("KB"), self._drawing
+        self._drawing = None
+        if draw is not None:
+            draw()
+        elif self.size is None:
             self.size = Plot(x="FDF", y=kb, log=(False, False), parent=self)
             self._add(self.size, self.tr("Size in KB over FDF, a line for each b (the paper's Figure 5)"))
-            self._draw_size()
+            self._drawing = self._draw_size
         elif self.def_ is None:
             self.def_ = Plot(x="FDF", y="DEF", log=(False, True), parent=self)
             self._add(self.def_, self.tr("DEF over FDF, a line for each b (Figure 6)"))
-            self._draw_def()
+            self._drawing = self._draw_def
         elif self.pareto is None:
             self.pareto = Plot(x=kb, y="DEF", log=(True, True), parent=self)
             self._add(self.pareto, self.tr("DEF over size: what nothing beats in both. Click a dot to load it."))
             self.pareto.picked.connect(self._pick)
-            self._draw_front()
-            self._draw_marks()
+            self._drawing = self._draw_all_dots
+        else:
             return
         QTimer.singleShot(0, self, self._make_plots)
 
@@ -230,6 +234,10 @@ class PlotPanel(QWidget):
         plot.setToolTip(text)
         self._room.addWidget(title)
         self._room.addWidget(plot)
+
+    def _draw_all_dots(self) -> None:
+        self._draw_front()
+        self._draw_marks()
 
     def _draw_size(self) -> None:
         if self.size is not None and self._motion is not None and self._settings is not None:

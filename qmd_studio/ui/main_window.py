@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
@@ -18,6 +19,7 @@ from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import DocumentState
 from qmd_studio.ui.actions import Actions, Needs
+from qmd_studio.ui.background import Background, Tell
 from qmd_studio.ui.banner import BannerArea
 from qmd_studio.ui.clip_panel import ClipPanel
 from qmd_studio.ui.dialogs import AboutDialog, ShortcutsDialog
@@ -32,7 +34,7 @@ from qmd_studio.ui.outliner import Outliner
 from qmd_studio.ui.panels import LAB_MIN_WIDTH, arrange, dock, scrolling
 from qmd_studio.ui.player import Player
 from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
-from qmd_studio.ui.stage import Stage
+from qmd_studio.ui.stage import Stage, prepare_default_body
 from qmd_studio.ui.status import StatusBar
 from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.timeline import Timeline
@@ -64,6 +66,7 @@ class MainWindow(QMainWindow):
         self.strip: ErrorStrip | None = None
         self.ask_export_path: AskPath | None = None
         self._is_furnished = False
+        self._furnishing = Background("furnishing", self)
         self._shown_clip: int | None = None
         self._after_furnishing: list[Callable[[], None]] = []
         self.setWindowIcon(application_icon())
@@ -194,7 +197,8 @@ class MainWindow(QMainWindow):
             QTimer.singleShot(1500, self.furnish)  # a window that cannot draw is furnished all the same
 
     def _furnish_soon(self) -> None:
-        QTimer.singleShot(0, self.furnish)
+        self._furnishing.ended.connect(lambda _nothing: self.furnish())
+        self._furnishing.run(prepare_furnishing)  # that takes a while, which the window need not be deaf for
 
     def furnish(self) -> None:
         """Bring in the codec lab, the default body and the compiled kernels; once, after the first picture."""
@@ -376,6 +380,14 @@ class MainWindow(QMainWindow):
         self.settings.set_layout(*self.layout_state())
         self.settings.sync()
         self.files.finish()
+        self._furnishing.close()
         if self.lab is not None:
             self.lab.close_down()
         super().closeEvent(event)
+
+
+def prepare_furnishing(_stop: Event, _tell: Tell) -> None:
+    """Import and make what furnishes the window, as far as this can be done beside it."""
+    import qmd_studio.ui.furnishing  # noqa: F401
+
+    prepare_default_body()
