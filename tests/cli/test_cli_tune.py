@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from command_line import Qmd, write_walk
+from command_line import ROOT, Qmd, write_walk
 from corpus import corpus_file
 
 BEST_KEYS = {
@@ -97,3 +102,32 @@ def test_a_grid_without_any_setting_is_told(qmd: Qmd, walk: Path) -> None:
     outcome = qmd("tune", walk, "--bits", "16", "--segments", "30", "--json")
     assert outcome.code == 1
     assert "--any-size" in outcome.json["hint"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no terminals of this kind")
+def test_a_long_search_shows_how_far_it_is_and_ends_by_ctrl_c(tmp_path: Path) -> None:
+    path = write_walk(tmp_path, n_frames=3000)
+    ours, theirs = os.openpty()
+    command = [
+        sys.executable,
+        "-m",
+        "qmd_studio.cli",
+        "tune",
+        str(path),
+        "--encoder",
+        "plain",
+        "--exhaustive",
+        "--grid",
+        "wide",
+    ]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=theirs) as process:
+        os.close(theirs)
+        shown = b""
+        while not re.search(rb"[1-9]\d* of \d", shown):  # what comes first is "0 of 1"
+            shown += os.read(ours, 4096)
+        assert b"getting ready" in shown
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 130
+        assert process.stdout is not None
+        assert process.stdout.read() == b""
+    os.close(ours)

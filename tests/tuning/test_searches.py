@@ -3,17 +3,22 @@
 import threading
 from pathlib import Path
 
+import numpy as np
+import psutil
 import pytest
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import CodecError, FormatError
+from qmd_studio.motion.channels import channel_skeleton
+from qmd_studio.motion.motion import Motion
 from qmd_studio.registry import open_file
 from qmd_studio.tuning.encoders import FAST_ENCODERS, PLAIN_CLOSED
 from qmd_studio.tuning.evaluator import evaluator_for
 from qmd_studio.tuning.exhaustive import exhaustive
 from qmd_studio.tuning.grid import Grid, paper_grid, raw_bytes, wide_grid
+from qmd_studio.tuning.lattice import Lattice
 from qmd_studio.tuning.memory import Memory
-from qmd_studio.tuning.search import AT_LEAST, SHARE, search
+from qmd_studio.tuning.search import AT_LEAST, SHARE, budget_for, search
 from tests.corpus import corpus_file, corpus_files
 from tests.generated_motion import walker
 
@@ -179,3 +184,49 @@ def test_other_skeletons_are_searched_the_same_way(path: Path):
     motion = open_file(path).motion
     evaluator, grid = evaluator_of(motion), wide_grid(motion)
     assert search(evaluator, grid).best.merit <= 1.01 * exhaustive(evaluator, grid).best.merit
+
+
+def long_motion(n_frames):
+    """A motion of one column that hardly moves: what is asked is how many settings are looked at, not how they fare."""
+    skeleton = channel_skeleton([("hips", -1, (0.0, 1.0, 0.0), ["Xrotation"])], [])
+    return Motion(skeleton, np.linspace(0.0, 1.0, n_frames)[:, np.newaxis], 120.0)
+
+
+def test_the_wide_grid_of_a_million_frames_has_fewer_segments_and_all_its_fdf_and_b():
+    motion = long_motion(1_000_000)
+    grid = wide_grid(motion)
+    assert len(grid.segments) <= 1001
+    assert (grid.segments[-1], set(np.diff(grid.segments[:-1]))) == (0, {1020})
+    assert wide_grid(long_motion(30_000)).segments == (*range(30, 29_999, 30), 0)
+    assert sum(len(column.bits) for column in grid.columns(motion)) > 1000
+
+
+def test_a_grid_that_would_fill_the_memory_is_refused():
+    grid = Grid(tuple(range(62)), tuple(range(8, 17)), tuple(range(1, 10_001)))
+    with pytest.raises(CodecError, match="too many settings") as caught:
+        search(evaluator_of(walker(100)), grid)
+    assert caught.value.got == "5,580,000"
+
+
+def test_a_search_spends_less_where_a_setting_takes_long(monkeypatch):
+    motion = walker(3000)
+    grid = wide_grid(motion).unbounded()
+    monkeypatch.setattr("qmd_studio.tuning.search.MOST_VALUES", 200 * motion.X.size)
+    lattice, evaluator = Lattice(grid, evaluator_of(motion)), evaluator_of(motion)
+    assert budget_for(lattice, evaluator) == 200 < SHARE * len(lattice.points)
+    assert budget_for(lattice, evaluator_for(motion, QmdSettings(encoder=Encoder.CLOSED))) == AT_LEAST
+
+
+def test_a_motion_beyond_the_memory_is_refused_with_both_sizes(monkeypatch):
+    few = psutil.virtual_memory()._replace(available=1 << 20)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: few)
+    assert evaluator_of(walker(100)).is_fast
+    with pytest.raises(CodecError, match="not enough memory") as caught:
+        evaluator_of(walker(20_000))
+    assert ("GB" in caught.value.wanted, caught.value.got) == (True, "0.0 GB free")
+
+
+def test_progress_is_told_after_every_trial():
+    motion, told = walker(100), []
+    found = search(evaluator_of(motion), SMALL, on_progress=told.append)
+    assert [progress.done for progress in told] == list(range(1, found.evaluations + 1))
