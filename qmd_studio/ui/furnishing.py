@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
-from qmd_studio.motion.kinematics import rest_values
+from qmd_studio.arrays import FloatArray
+from qmd_studio.motion.kinematics import rest_values, world_from_joint
+from qmd_studio.motion.skeleton import Skeleton
 from qmd_studio.project.state import Side
 from qmd_studio.ui.codec_lab import CodecLab
 from qmd_studio.ui.codec_lab_export import ask_for_path
@@ -19,6 +22,8 @@ if TYPE_CHECKING:
     from qmd_studio.tuning.report import EncodeReport
     from qmd_studio.ui.main_window import MainWindow
 
+Kinematics: TypeAlias = Callable[[Skeleton, FloatArray], FloatArray]
+
 
 def furnish_window(window: MainWindow) -> None:
     """Bring in what the first picture could do without."""
@@ -26,16 +31,27 @@ def furnish_window(window: MainWindow) -> None:
     _bring_lab(window)
     if not window.document.state.clips:
         window.viewport.frame_all()
-    threading.Thread(target=_warm_kinematics, args=(window.stage,), name="warm-up", daemon=True).start()
+    _warm_up(window.stage)
 
 
-def _warm_kinematics(stage: Stage) -> None:
+def _warm_up(stage: Stage) -> None:
+    """Pose with compiled kernels from when they are ready on.
+
+    The thread that readies them holds nothing of the window: were it the last to let go, widgets would be destroyed on
+    it, which Qt does not survive.
+    """
+    ready: list[Kinematics] = []
+    stage.kinematics = lambda skeleton, values: (ready[0] if ready else world_from_joint)(skeleton, values)
+    threading.Thread(target=_warm_kinematics, args=(ready,), name="warm-up", daemon=True).start()
+
+
+def _warm_kinematics(ready: list[Kinematics]) -> None:
     from qmd_studio.motion.bap import bap_skeleton
     from qmd_studio.motion.fast_kinematics import world_from_joint_fast
 
     skeleton = bap_skeleton()
     world_from_joint_fast(skeleton, rest_values(skeleton)[None])
-    stage.kinematics = world_from_joint_fast
+    ready.append(world_from_joint_fast)
 
 
 def _bring_lab(window: MainWindow) -> None:
