@@ -78,7 +78,8 @@ class Compact:
 
     def for_error(self, mean_mm: float) -> Coding:
         """Return the coarsest steps with a mean joint error of at most `mean_mm`."""
-        return self._coding(meet_target(self._motion, replace(self._settings, mean_error_mm=mean_mm)).fineness)
+        outcome = meet_target(self._motion, replace(self._settings, mean_error_mm=mean_mm))
+        return self._coding(outcome.fineness, outcome.block)
 
     def for_size(self, n_bytes: int) -> Coding:
         """Return the finest steps that fit into `n_bytes`."""
@@ -87,10 +88,10 @@ class Compact:
         def holds(power: float) -> bool:
             return len(compact_payload.pack(encoder.encode(2.0**power).payload)) <= n_bytes
 
-        return self._coding(2.0 ** last_that_holds(holds, _COARSEST, _FINEST))
+        return self._coding(2.0 ** last_that_holds(holds, _COARSEST, _FINEST), encoder.block)
 
-    def _coding(self, fineness: float) -> Coding:
-        motion, settings = self._motion, self._settings
+    def _coding(self, fineness: float, block: int) -> Coding:
+        motion, settings = self._motion, replace(self._settings, block=block)
 
         def encode() -> bytes:
             return compact_payload.pack(CompactEncoder(motion, settings).encode(fineness).payload)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from qmd_studio.codecs.compact.target import Meter
+from qmd_studio.codecs.compact.attempt import Meter
 from qmd_studio.codecs.qmd.units import codec_matrix
 from qmd_studio.codecs.rivals import range_delta
 from qmd_studio.motion.motion import Motion

@@ -14,10 +14,11 @@ import numpy as np
 from bench_motion import CORPUS
 from pcodec import ChunkConfig, standalone
 
+from qmd_studio.codecs.compact.attempt import Meter
 from qmd_studio.codecs.compact.sensitivity import sensitivities, step_codes
 from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.codecs.compact.synthesis import step_sizes
-from qmd_studio.codecs.compact.target import Meter, meet_target
+from qmd_studio.codecs.compact.target import meet_target
 from qmd_studio.codecs.qmd.container import HEADER
 from qmd_studio.codecs.qmd.units import codec_matrix
 from qmd_studio.registry import open_file

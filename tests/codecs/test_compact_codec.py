@@ -1,6 +1,7 @@
 """The compact profile keeps to the error it was asked for, in files that any decoder of its page reads alike."""
 
 import re
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from qmd_studio.codecs.compact.attempt import Meter, attempt
 from qmd_studio.codecs.compact.decode import decode_payload, decode_segment
+from qmd_studio.codecs.compact.encode import CompactEncoder
 from qmd_studio.codecs.compact.file import encode
 from qmd_studio.codecs.compact.payload import unpack
 from qmd_studio.codecs.compact.prior import prior
+from qmd_studio.codecs.compact.progress import EncodingCancelledError, Watch
 from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.codecs.compact.synthesis import sines, step_sizes
 from qmd_studio.codecs.qmd.container import HEADER, parse
 from qmd_studio.codecs.qmd.decode import decode
 from qmd_studio.codecs.qmd.file import describe
-from qmd_studio.errors import CodecError, FormatError
+from qmd_studio.errors import CodecError, FormatError, QmdStudioError
 from qmd_studio.motion.metrics import measure
 from qmd_studio.motion.motion import Motion
 from qmd_studio.registry import open_file
@@ -170,8 +174,47 @@ def test_open_file_of_a_compact_file_without_its_skeleton_wants_one(tmp_path):
 
 def test_open_file_and_describe_know_both_profiles(tmp_path):
     path = tmp_path / "swing.qmd"
-    path.write_bytes(encode(pendulum(100), CompactSettings(mean_error_mm=1.0, segment=40)).data)
+    path.write_bytes(encode(pendulum(100), CompactSettings(mean_error_mm=1.0, segment=40, block=25)).data)
     opened = open_file(path).motion
     assert (opened.n_frames, opened.fps, opened.name) == (100, 30.0, "swing")
     about = describe(path.read_bytes())
-    assert (about["profile"], about["segment"], about["segments"], about["block"]) == ("compact", 40, 3, 20)
+    assert (about["profile"], about["segment"], about["segments"], about["block"]) == ("compact", 40, 3, 25)
+
+
+def test_encode_to_a_bound_minds_the_frames_that_break_it_and_is_smaller_than_one_fineness_for_all():
+    jerk = np.zeros((200, 1))
+    jerk[90:94] = 0.4
+    motion = WALK.with_values(WALK.X + jerk * (np.arange(WALK.X.shape[1]) > 5))
+    encoded = encode(motion, CompactSettings(max_error_mm=1.0))
+    assert measure(motion, decode(encoded.data)).max_mm <= 1.0
+    encoder, meter, watch = CompactEncoder(motion, CompactSettings(max_error_mm=1.0)), Meter(motion), Watch()
+    alike = [attempt(encoder, meter, fineness, watch) for fineness in np.geomspace(0.002, 0.1, 40)]
+    assert encoded.payload_bytes < min(len(tried.payload) for tried in alike if tried.max_mm <= 1.0)
+
+
+def test_encode_chooses_longer_blocks_where_less_happens():
+    still = pendulum(300)
+    swing = np.sin(np.arange(300)[:, np.newaxis] * np.array([0.3, 0.5, 0.2])) + 0.3 * still.X
+    calm, rough = still.with_values(np.sin(np.arange(300)[:, np.newaxis] / 50) + 0 * still.X), still.with_values(swing)
+    chosen = [unpack(parse(encode(m, CompactSettings(mean_error_mm=0.5)).data).payload).block for m in (calm, rough)]
+    assert chosen[0] > chosen[1]
+
+
+def test_encode_that_is_cancelled_stops_at_once_and_reports_progress_until_then():
+    cancel, heard = threading.Event(), []
+
+    def on_attempt(number, most):
+        heard.append((number, most))
+        cancel.set()
+
+    with pytest.raises(EncodingCancelledError):
+        encode(WALK, CompactSettings(max_error_mm=0.2), watch=Watch(cancel, on_attempt))
+    assert heard[0][0] == 1 <= heard[0][1]
+    assert len(heard) == 1
+
+
+def test_encode_of_a_value_that_is_no_number_is_refused_with_the_reason():
+    X = pendulum().X.copy()
+    X[2, 2] = np.nan
+    with pytest.raises(QmdStudioError, match=r"number|finite|NaN"):
+        encode(pendulum().with_values(X), CompactSettings(mean_error_mm=1.0))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from qmd_studio.codecs.compact.payload import unpack
+from qmd_studio.codecs.compact.progress import UNWATCHED, Watch
 from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.codecs.compact.target import meet_target
 from qmd_studio.codecs.qmd import container
@@ -24,14 +25,16 @@ class EncodedCompact:
     decoded: Motion
 
 
-def encode(motion: Motion, settings: CompactSettings, *, with_skeleton: bool = True) -> EncodedCompact:
+def encode(
+    motion: Motion, settings: CompactSettings, *, with_skeleton: bool = True, watch: Watch = UNWATCHED
+) -> EncodedCompact:
     """Encode a motion as a compact QMD file that keeps to the error that `settings` ask for.
 
     Raises `CodecError` for settings out of range, a motion that the profile cannot hold, and an error that it cannot
-    keep to.
+    keep to; `EncodingCancelledError` where `watch` stops it.
     """
     settings = settings.checked(motion.n_frames)
-    outcome = meet_target(motion, settings)
+    outcome = meet_target(motion, settings, watch)
     block = pack_skeleton_block(motion) if with_skeleton else b""
     return EncodedCompact(
         data=container.build_compact(outcome.payload, block, motion.fps, settings.segment),

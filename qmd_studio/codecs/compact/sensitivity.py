@@ -13,7 +13,7 @@ from qmd_studio.codecs.compact.layout import key_frames, n_segments
 from qmd_studio.codecs.qmd.units import column_scales
 from qmd_studio.motion.motion import Motion
 
-_EVERY = 3
+_EVERY = 2
 """Every so many frames of a block are looked at: the matrix changes slowly."""
 
 _MOST_MATRICES = 4000
@@ -39,6 +39,26 @@ class Sensitivity:
     end: int
     at: IntArray
     blocks: tuple[FloatArray, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameMatrices:
+    """The matrices of single frames of a segment, made when they are asked for.
+
+    `rows` (n_frames, n_columns) are its columns in the skeleton's own units.
+    """
+
+    motion: Motion
+    rows: FloatArray
+
+    def between(self, start: int, end: int) -> FloatArray:
+        """Return (k, m, m) squared ASF units: the matrices of every second frame from `start` to `end`."""
+        from qmd_studio.motion.sensitivity import sensitivities as matrices
+
+        found = matrices(self.motion.skeleton, self.rows[start : end + 1 : _EVERY])
+        diagonal = np.arange(found.shape[1])
+        found[:, diagonal, diagonal] += _FLOOR
+        return found
 
 
 def sensitivities(motion: Motion, *, segment: int, block: int) -> tuple[Sensitivity, ...]:

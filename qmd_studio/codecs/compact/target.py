@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from qmd_studio.arrays import Float32Array, FloatArray
-from qmd_studio.codecs.compact.encode import CompactEncoder, EncodedPayload
-from qmd_studio.codecs.compact.payload import pack
+from qmd_studio.codecs.compact.attempt import Attempt, Meter, attempt, with_block
+from qmd_studio.codecs.compact.encode import CompactEncoder
+from qmd_studio.codecs.compact.progress import UNWATCHED, Watch
 from qmd_studio.codecs.compact.settings import CompactSettings
-from qmd_studio.codecs.qmd.units import motion_matrix
 from qmd_studio.errors import CodecError
 from qmd_studio.motion.motion import ASF_UNIT_M, Motion
 
@@ -24,12 +24,19 @@ _IMPATIENCE = 0.95
 
 _FINEST = 1e-7
 
+_COARSER = (1.15, 1.32, 1.52, 1.75)
+"""How much coarser than one fineness that keeps to a bound everywhere the rest of a motion may be."""
+
+_REPAIRS = 7
+_MOST_WEIGHT = 300.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
     """An encoding that keeps to its target: the bytes of its payload, what they decode to, and its error.
 
-    `fineness` is what `CompactEncoder.encode` takes to make it again.
+    `fineness` is what `CompactEncoder.encode` takes to make it again where no frame was given a weight of its own, and
+    `block` the frames from key to key.
     """
 
     payload: bytes
@@ -37,63 +44,59 @@ class Outcome:
     mean_mm: float
     max_mm: float
     fineness: float
+    block: int
 
 
-def meet_target(motion: Motion, settings: CompactSettings) -> Outcome:
+def meet_target(motion: Motion, settings: CompactSettings, watch: Watch = UNWATCHED) -> Outcome:
     """Return the smallest encoding found that keeps to the target of `settings`.
 
     Raises `CodecError` for a motion that cannot be encoded, for a skeleton without measured points, and where float32
-    or the finest step cannot keep to the error: it says what can be reached.
+    or the finest step cannot keep to the error: it says what can be reached. Raises `EncodingCancelledError` where
+    `watch` says so.
     """
     if not motion.skeleton.points:
         raise CodecError("the skeleton has no points to measure at", hint="Use the profile of version 1")
-    encoder = CompactEncoder(motion, settings)
-    meter = Meter(motion)
-    if settings.mean_error_mm is not None:
-        return _search(encoder, meter, settings.mean_error_mm, worst=False)
-    assert settings.max_error_mm is not None  # checked by the encoder
-    return _search(encoder, meter, settings.max_error_mm, worst=True)
+    settings = settings.checked(motion.n_frames)
+    CompactEncoder(motion, settings)  # refuses what cannot be encoded
+    worst = settings.mean_error_mm is None
+    target = settings.max_error_mm if worst else settings.mean_error_mm
+    assert target is not None  # one of the two, as has been checked
+    fineness = (0.4 if worst else 4.0) * target / _MM_PER_UNIT
+    if settings.block is None:
+        chosen, fineness = with_block(motion, settings, target, fineness, watch)
+        settings = replace(settings, block=chosen.block)
+    encoder, meter = CompactEncoder(motion, settings), Meter(motion)
+    best = _search(encoder, meter, target, fineness, watch, worst=worst)
+    if worst:
+        best = _local(encoder, meter, target, best, watch)
+    return Outcome(
+        best.payload, best.encoded.decoded, best.mean_mm, best.max_mm, best.fineness, best.encoded.payload.block
+    )
 
 
-class Meter:
-    """Measures decoded matrices against the motion that they were made from."""
-
-    def __init__(self, motion: Motion) -> None:
-        from qmd_studio.motion.fast_kinematics import point_positions_64  # compiled code, loaded where it is needed
-
-        self._motion = motion
-        self._positions = point_positions_64
-        self._original = point_positions_64(motion.skeleton, motion.X)
-
-    def distances_mm(self, decoded: Float32Array) -> FloatArray:
-        """Return (n_frames, n_points) how far the points of `decoded` are from where they should be."""
-        X = motion_matrix(decoded, self._motion.skeleton)
-        error = self._positions(self._motion.skeleton, X) - self._original
-        distances: FloatArray = 1000 * np.sqrt(np.einsum("fpi,fpi->fp", error, error))
-        return distances
-
-
-def _search(encoder: CompactEncoder, meter: Meter, target_mm: float, *, worst: bool) -> Outcome:
+def _search(
+    encoder: CompactEncoder, meter: Meter, target_mm: float, fineness: float, watch: Watch, *, worst: bool
+) -> Attempt:
     """Look for the coarsest fineness that keeps to the target, by false position on logarithms."""
-    fineness = (0.4 if worst else 4.0) * target_mm / _MM_PER_UNIT
-    good: tuple[float, float, EncodedPayload, FloatArray] | None = None
+    good: Attempt | None = None
     bad: tuple[float, float] | None = None
     best = np.inf
-    for attempt in range(_ATTEMPTS):
-        encoded = encoder.encode(fineness)
-        distances = meter.distances_mm(encoded.decoded)
-        error = float(distances.max() if worst else distances.mean())
+    for number in range(_ATTEMPTS):
+        tried = attempt(encoder, meter, fineness, watch)
+        watch.tell(number + 1, _ATTEMPTS)
+        error = tried.max_mm if worst else tried.mean_mm
         best = min(best, error)
         if error <= target_mm:
-            if good is None or fineness > good[0]:
-                good = (fineness, error, encoded, distances)
+            if good is None or fineness > good.fineness:
+                good = tried
             if error >= _NEAR * target_mm or error == 0:
                 break
         elif bad is None or fineness < bad[0]:
             bad = (fineness, error)
-        fineness = _next(fineness, error, target_mm, good and good[:2], bad)
+        known = None if good is None else (good.fineness, good.max_mm if worst else good.mean_mm)
+        fineness = _next(fineness, error, target_mm, known, bad)
         if good is None:
-            fineness *= _IMPATIENCE**attempt
+            fineness *= _IMPATIENCE**number
         if fineness < _FINEST:
             break
     if good is None:
@@ -103,8 +106,36 @@ def _search(encoder: CompactEncoder, meter: Meter, target_mm: float, *, worst: b
             got=f"{best:.3g} mm at best",
             hint="Ask for no less than that, or use the profile of version 1",
         )
-    fineness, _, encoded, distances = good
-    return Outcome(pack(encoded.payload), encoded.decoded, float(distances.mean()), float(distances.max()), fineness)
+    return good
+
+
+def _local(encoder: CompactEncoder, meter: Meter, target_mm: float, best: Attempt, watch: Watch) -> Attempt:
+    """Return the smallest of `best` and of coarser encodings that mind the frames more where the bound would break."""
+    known = best
+    for step, coarser in enumerate(_COARSER):
+        weights = np.ones(encoder.motion.n_frames)
+        for _ in range(_REPAIRS):
+            tried = attempt(encoder, meter, known.fineness * coarser, watch, weights)
+            if tried.max_mm <= target_mm or len(tried.payload) >= len(best.payload):
+                break
+            weights = _heavier(weights, tried, target_mm)
+        watch.tell(step + 1, len(_COARSER))
+        if tried.max_mm > target_mm or len(tried.payload) >= len(best.payload):
+            break
+        best = tried
+    return best
+
+
+def _heavier(weights: FloatArray, tried: Attempt, target_mm: float) -> FloatArray:
+    """Return the weights of frames (n_frames,), more where the bound breaks and, less so, right beside it."""
+    over = np.maximum(tried.frame_mm / target_mm, 1.0)
+    reach = tried.encoded.payload.block // 4
+    near = over.copy()
+    for away in range(1, reach + 1):
+        share = 1 - away / (reach + 1)
+        near[away:] = np.maximum(near[away:], 1 + (over[:-away] - 1) * share)
+        near[:-away] = np.maximum(near[:-away], 1 + (over[away:] - 1) * share)
+    return np.minimum(weights * np.where(near > 1, 1.3 * near**3, 1.0), _MOST_WEIGHT)
 
 
 def _next(
