@@ -3,10 +3,11 @@
 #   make test                    lint, types, import contracts, all tests
 #   make bench                   the speed bars, as ratios, into tests/benchmarks/RESULTS.md
 #   make bench-codecs            size and error of every encoder over the corpus, into the same page (minutes)
+#   make check-decoder          every clip of the corpus, whole, through the C decoder and Python's (minutes)
 #   make fuzz-decoder [N=…]      N damaged files (1000000) into the C decoder; needs clang or gcc
 # PYTHON=… names the python3 (3.11 or newer) to build .venv with.
 
-.PHONY: run test bench bench-codecs fuzz-decoder lint clean pins
+.PHONY: run test bench bench-codecs check-decoder fuzz-decoder lint clean pins
 .DEFAULT_GOAL := run
 
 bin := .venv/bin
@@ -33,6 +34,10 @@ bench:
 bench-codecs:
 	@.ci/setup bench
 	$(bin)/python tests/benchmarks/run.py --codecs
+
+check-decoder:
+	@.ci/setup test
+	$(bin)/python tests/decoder/check_corpus.py
 
 fuzz-decoder:
 	$(or $(PYTHON),python3) tests/decoder/fuzz.py --inputs $(or $(N),1000000)

@@ -1,6 +1,7 @@
 """Decoding the compact profile against the plain decoder that it grew from, in one run.
 
-The plain decoder gets the numbers of a file with keys 30 frames apart; ours gets its own best file of the same mean error.
+The plain decoder gets the numbers of a file with keys 30 frames apart; ours gets its own best file of the same mean
+error.
 """
 
 import numpy as np

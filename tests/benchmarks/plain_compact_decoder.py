@@ -1,8 +1,8 @@
 """A yardstick for the speed of decoding: key poses, ramps and sines behind a range coder, done the plain way.
 
 It is the design that the compact profile grew from, with models in floating point that average two rates, a Golomb
-escape and one multiplication of matrices a block. It writes integers that somebody else has chosen, so that both decoders
-can be given the same. `compact_decode_speed.py` times its decoder.
+escape and one multiplication of matrices a block. It writes integers that somebody else has chosen, so that both
+decoders can be given the same. `compact_decode_speed.py` times its decoder.
 """
 
 from __future__ import annotations
@@ -178,7 +178,7 @@ def read_key(state, data, steps, models, lookup, shifts, size):
 
 
 def encode(segments):
-    """Return the streams of segments: for each the frames of its keys, the keys (k, m) and all blocks' rows, integers."""
+    """Return the streams of segments: of each the frames of its keys, the keys (k, m) and all blocks' rows."""
     streams = []
     for at, keys, rows in segments:
         out, state = np.zeros(16 * (keys.size + rows.size) + 4096, np.uint8), np.array([0, WORD, 0])
