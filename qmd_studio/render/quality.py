@@ -34,6 +34,8 @@ LADDER = (
 """From the best picture to the quickest."""
 STILL = LADDER[1]
 """What a picture that does not move is drawn with: there is time for it on any renderer."""
+FINE = LADDER[0]
+"""What a picture that is kept is drawn with."""
 _HARDWARE, _SOFTWARE = 1, 3
 
 

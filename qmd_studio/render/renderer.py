@@ -111,7 +111,11 @@ class Renderer:
 
     def _draw_scene(self, scene: Scene, camera: Camera, aspect: float, *, gloss: bool) -> None:
         clip_from_world = camera.projection(aspect, scene.radius()) @ camera.view()
-        self._draw_sky(DARK if scene.dark else LIGHT, aspect)
+        if scene.backdrop:
+            self._draw_sky(DARK if scene.dark else LIGHT, aspect)
+        else:
+            GL.glClearColor(0.0, 0.0, 0.0, 0.0)
+            GL.glClear(GL.GL_COLOR_BUFFER_BIT)
         self._draw_actors(scene, camera, clip_from_world, gloss=gloss)
         if scene.show_ground:
             self._draw_ground(scene, camera, clip_from_world)

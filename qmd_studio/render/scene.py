@@ -47,7 +47,10 @@ class Actor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """The actors and the stage. `selected` and `hovered` are (actor, joint) numbers; `ground_y` is in metres."""
+    """The actors and the stage. `selected` and `hovered` are (actor, joint) numbers; `ground_y` is in metres.
+
+    Without `backdrop` the picture is transparent where nothing stands, its colours multiplied by their alpha.
+    """
 
     actors: tuple[Actor, ...] = ()
     dark: bool = False
@@ -56,6 +59,7 @@ class Scene:
     show_ground: bool = True
     show_axes: bool = True
     ground_y: float = 0.0
+    backdrop: bool = True
 
     def points(self) -> FloatArray:
         """Return points (n, 3) that bound every actor, for framing: the joints and the tips of their surfaces."""

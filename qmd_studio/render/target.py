@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
 from OpenGL import GL
 
 from qmd_studio.render.gl import GraphicsError
@@ -42,6 +44,14 @@ class Target:
         GL.glBlitFramebuffer(0, 0, *self.size, 0, 0, *size, GL.GL_COLOR_BUFFER_BIT, smooth)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, framebuffer)
         GL.glViewport(0, 0, *size)
+
+    def read(self) -> NDArray[np.uint8]:
+        """Return the picture, which must not be multisampled: (height, width, 4) RGBA, the top row first."""
+        width, height = self.size
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self.number)
+        GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
+        data = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
+        return np.frombuffer(data, np.uint8).reshape(height, width, 4)[::-1]
 
     def release(self) -> None:
         """Give the picture back to the driver."""
