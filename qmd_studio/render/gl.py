@@ -52,15 +52,18 @@ def is_software(name: str) -> bool:
 
 
 class Program:
-    """A linked pair of shaders from resources/shaders, whose uniforms are set by name.
+    """Linked shaders from resources/shaders, whose uniforms are set by name.
 
-    `defines` are written after the first line of both. Raises `GraphicsError` with the driver's own words.
+    `defines` are written after the first line of each; between vertex and fragment shader a `geometry` shader may
+    stand. Raises `GraphicsError` with the driver's own words.
     """
 
-    def __init__(self, vertex: str, fragment: str, **defines: int) -> None:
+    def __init__(self, vertex: str, fragment: str, geometry: str | None = None, **defines: int) -> None:
         lines = "".join(f"#define {name} {value}\n" for name, value in defines.items())
         self.number: int = GL.glCreateProgram()
         shaders = [_shader(GL.GL_VERTEX_SHADER, vertex, lines), _shader(GL.GL_FRAGMENT_SHADER, fragment, lines)]
+        if geometry is not None:
+            shaders.append(_shader(GL.GL_GEOMETRY_SHADER, geometry, lines))
         for shader in shaders:
             GL.glAttachShader(self.number, shader)
         GL.glLinkProgram(self.number)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SLOW_S = 1 / 22
 """A frame slower than this costs quality: it leaves headroom over the promised 15 frames a second."""
@@ -15,16 +15,19 @@ _LONG_PATIENCE = 90
 
 @dataclass(frozen=True, slots=True)
 class Quality:
-    """The choices that cost time: samples a pixel, the internal resolution's share of a side, and highlights."""
+    """The choices that cost time: samples a pixel, the internal resolution's share of a side, highlights, and the side
+    of the map of what the sun does not reach, in pixels; 0 for a soft shadow on the ground alone.
+    """
 
     samples: int
     scale: float
     gloss: bool
+    shadow: int = 0
 
 
 LADDER = (
-    Quality(samples=8, scale=1.0, gloss=True),
-    Quality(samples=4, scale=1.0, gloss=True),
+    Quality(samples=8, scale=1.0, gloss=True, shadow=1024),
+    Quality(samples=4, scale=1.0, gloss=True, shadow=1024),
     Quality(samples=0, scale=1.0, gloss=True),
     Quality(samples=0, scale=1.0, gloss=False),
     Quality(samples=0, scale=0.75, gloss=False),
@@ -32,8 +35,7 @@ LADDER = (
     Quality(samples=0, scale=0.5, gloss=False),
 )
 """From the best picture to the quickest."""
-STILL = LADDER[1]
-"""What a picture that does not move is drawn with: there is time for it on any renderer."""
+_STILL_SHADED, _STILL = LADDER[1], replace(LADDER[1], shadow=0)
 FINE = LADDER[0]
 """What a picture that is kept is drawn with."""
 _HARDWARE, _SOFTWARE = 1, 3
@@ -58,6 +60,11 @@ class QualityController:
     def quality(self) -> Quality:
         """The quality that the next frame should have."""
         return LADDER[self._rung]
+
+    @property
+    def still(self) -> Quality:
+        """The quality of a picture that does not move: smooth edges on any renderer, the light as while it moved."""
+        return _STILL_SHADED if self.quality.shadow else _STILL
 
     def begin(self) -> None:
         """Note that a frame starts."""

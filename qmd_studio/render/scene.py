@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
+from qmd_studio.avatar import skinning
 from qmd_studio.avatar.humanoid import Body
 
 Colour = tuple[float, float, float]
@@ -18,6 +20,19 @@ GHOST_GAP_M = 0.004
 """A ghost nearer than this to a solid body's skin is taken to agree with it, and hidden by it."""
 
 
+class Look(StrEnum):
+    """How a body's surface is shown."""
+
+    SOLID = "solid"
+    """In its own colours."""
+    SEGMENTS = "segments"
+    """Each joint's skin in a colour of its own."""
+    XRAY = "xray"
+    """The skin lets its joints and bones be seen."""
+    WIRE = "wire"
+    """With the edges of its triangles."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Actor:
     """A body in one pose: `world_from_joint` (n_joints, 4, 4) metres.
@@ -25,7 +40,9 @@ class Actor:
     `tint` (linear 0 to 1) colours the body, `alpha` below 1 lets the scene show through; a ghost is translucent with a
     brighter rim, casts no shadow, and shows only where it leaves the solid bodies by more than `GHOST_GAP_M`. `heat`
     (n_joints,) from 0 to 1 paints each joint's skin by the colour map; NaN leaves a joint as it is. Where `only_hot`,
-    skin without heat is not seen at all.
+    skin without heat is not seen at all. `morphs` (n_displacers,) are the weights of the body's displacers, those of
+    its file if None. `world_from_figure` (4, 4) is where the figure's own space stands, for skin that follows no joint;
+    the identity if None.
     """
 
     body: Body
@@ -35,14 +52,23 @@ class Actor:
     ghost: bool = False
     heat: FloatArray | None = None
     only_hot: bool = False
+    look: Look = Look.SOLID
+    morphs: FloatArray | None = None
+    world_from_figure: FloatArray | None = None
 
     def joint_positions(self) -> FloatArray:
         """Return the joints' positions (n_joints, 3), metres."""
         return np.asarray(self.world_from_joint, dtype=np.float64)[:, :3, 3]
 
     def skin_matrices(self) -> FloatArray:
-        """Return what moves the surface from the binding pose to this one, (n_joints, 4, 4)."""
-        return np.asarray(self.world_from_joint, dtype=np.float64) @ np.linalg.inv(self.body.bind)
+        """Return what moves the surface from the binding pose to this one, (n_joints + 1, 4, 4)."""
+        return skinning.skin_matrices(self.body, self.world_from_joint, self.world_from_figure)
+
+    def displacer_weights(self) -> FloatArray:
+        """Return the weights of the body's displacers, (n_displacers,)."""
+        if self.morphs is None:
+            return skinning.rest_weights(self.body)
+        return np.asarray(self.morphs, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,14 +101,10 @@ class Scene:
 def posed_vertices(actor: Actor, stride: int = 1) -> FloatArray:
     """Return every `stride`-th vertex of the actor's surface in its pose, (n, 3) metres."""
     surface = actor.body.surface
-    matrices = actor.skin_matrices()
-    vertices = surface.vertices[::stride].astype(np.float64)
-    joints, weights = surface.joints[::stride], surface.weights[::stride].astype(np.float64)
-    result = np.zeros_like(vertices)
-    for k in range(4):
-        m = matrices[joints[:, k]]
-        result += weights[:, k, None] * (np.einsum("vij,vj->vi", m[:, :3, :3], vertices) + m[:, :3, 3])
-    return result
+    vertices, _ = skinning.displaced(surface, actor.body.displacers, actor.displacer_weights())
+    joints, weights = surface.joints[::stride], surface.weights[::stride]
+    blended = skinning.blended_matrices(joints, weights, actor.skin_matrices())
+    return np.asarray(np.einsum("vij,vj->vi", blended[:, :, :3], vertices[::stride]) + blended[:, :, 3])
 
 
 def posed_extremes(actor: Actor) -> FloatArray:

@@ -26,6 +26,10 @@ class StageTheme:
     fill_light: Colour
     rim_light: Colour
     accent: Colour
+    bone: Colour
+    joint_mark: Colour
+    wire: Colour
+    sun_strength: float
 
 
 LIGHT = StageTheme(
@@ -44,6 +48,10 @@ LIGHT = StageTheme(
     fill_light=(0.13, 0.16, 0.21),
     rim_light=(0.16, 0.18, 0.21),
     accent=(1.0, 0.36, 0.04),
+    bone=(0.13, 0.22, 0.36),
+    joint_mark=(0.93, 0.38, 0.05),
+    wire=(0.12, 0.17, 0.25),
+    sun_strength=0.22,
 )
 DARK = StageTheme(
     top=(0.105, 0.115, 0.135),
@@ -61,4 +69,8 @@ DARK = StageTheme(
     fill_light=(0.10, 0.14, 0.22),
     rim_light=(0.30, 0.35, 0.42),
     accent=(1.0, 0.36, 0.04),
+    bone=(0.84, 0.90, 0.98),
+    joint_mark=(1.0, 0.56, 0.20),
+    wire=(0.05, 0.06, 0.08),
+    sun_strength=0.42,
 )

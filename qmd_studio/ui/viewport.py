@@ -18,7 +18,7 @@ from qmd_studio.render.camera import Camera
 from qmd_studio.render.overlay import TRIAD_INSET, TRIAD_RADIUS, triad_preset
 from qmd_studio.render.panes import Layout, Pane, pane_at, panes_of
 from qmd_studio.render.picking import Hit, pick
-from qmd_studio.render.quality import STILL, Quality, QualityController
+from qmd_studio.render.quality import Quality, QualityController
 from qmd_studio.render.renderer import Renderer
 from qmd_studio.render.scene import Actor, Scene, limb_points
 from qmd_studio.ui.viewport_format import viewport_format
@@ -225,7 +225,7 @@ class Viewport(QOpenGLWidget):
             self._camera,
             size,
             framebuffer=self.defaultFramebufferObject(),
-            quality=self.fixed_quality or (STILL if self._still else controller.quality),
+            quality=self.fixed_quality or (controller.still if self._still else controller.quality),
             pixel_ratio=ratio,
         )
         renderer.wait()

@@ -12,6 +12,11 @@ uniform float show_axes;
 uniform sampler2D shadow;
 uniform vec4 shadow_window;  // corner x, z, and one over its width and depth; 0 where there is none
 uniform float shadow_strength;
+#ifdef SUN
+uniform mat4 sun_from_world;
+uniform sampler2DShadow sun_map;
+uniform float sun_strength;
+#endif
 out vec4 colour;
 
 float grid(vec2 at, vec2 pixel) {
@@ -20,6 +25,20 @@ float grid(vec2 at, vec2 pixel) {
     line *= clamp(1.0 - pixel * 4.0, 0.0, 1.0);  // too dense to tell apart: gone before it flickers
     return max(line.x, line.y);
 }
+
+#ifdef SUN
+float sunless(vec3 at) {  // the share of the sun that something takes away
+    vec3 place = (sun_from_world * vec4(at, 1.0)).xyz * 0.5 + 0.5;
+    if (any(lessThan(place.xy, vec2(0.0))) || any(greaterThan(place.xy, vec2(1.0))))
+        return 0.0;
+    vec2 pixel = 1.0 / vec2(textureSize(sun_map, 0));
+    float sum = 0.0;
+    for (int i = -3; i <= 3; i++)
+        for (int j = -3; j <= 3; j++)
+            sum += texture(sun_map, vec3(place.xy + vec2(i, j) * pixel * 2.2, clamp(place.z, 0.0, 1.0)));
+    return 1.0 - sum / 49.0;
+}
+#endif
 
 void main() {
     vec2 at = world.xz / spacing;
@@ -41,6 +60,9 @@ void main() {
     float dark = 0.0;
     if (shadow_window.z > 0.0 && all(greaterThan(inside, vec2(0.0))) && all(lessThan(inside, vec2(1.0))))
         dark = texture(shadow, inside).r * shadow_strength;
+#ifdef SUN
+    dark = 1.0 - (1.0 - 0.62 * dark) * (1.0 - sun_strength * sunless(world));
+#endif
     float alpha = 1.0 - (1.0 - strength) * (1.0 - dark);
     colour = vec4(tone * strength * (1.0 - dark), alpha);  // premultiplied: the shadow is black
 }
