@@ -36,18 +36,35 @@ def importers_of(*packages: str) -> set[str]:
 
 
 def writes_in(module: Path) -> list[int]:
-    """The lines that write a file: `open` with a writing mode, `write_bytes`, `write_text`, a temporary file."""
+    """The lines that write a file: `open` with a writing mode, `write_bytes`, `write_text`, a temporary file.
+
+    What is opened on a name that only ever held `io.BytesIO()` is memory and no file.
+    """
     lines = []
-    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+    tree = ast.parse(module.read_text(encoding="utf-8"))
+    memory = names_of_memory(tree)
+    for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
         called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        if node.args and isinstance(node.args[0], ast.Name) and node.args[0].id in memory:
+            continue
         arguments = [*node.args, *(k.value for k in node.keywords)]
         words = [a.value for a in arguments if isinstance(a, ast.Constant) and isinstance(a.value, str)]
         opens_to_write = called == "open" and any(re.fullmatch(r"[rbt]*[wax+][rbt+]*", word) for word in words)
         if opens_to_write or called in {"write_bytes", "write_text", "mkstemp", "NamedTemporaryFile"}:
             lines.append(node.lineno)
     return lines
+
+
+def names_of_memory(tree: ast.AST) -> set[str]:
+    assigned = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
+    held: dict[str, set[str]] = {}
+    for node in assigned:
+        for target in node.targets:
+            if isinstance(target, ast.Name):
+                held.setdefault(target.id, set()).add(ast.unparse(node.value))
+    return {name for name, values in held.items() if values == {"io.BytesIO()"}}
 
 
 def test_import_contracts_hold() -> None:
@@ -78,6 +95,8 @@ def test_the_search_for_writers_finds_them(tmp_path: Path) -> None:
     module = tmp_path / "writer.py"
     module.write_text('open(p)\nopen(p, "w")\nopen(p, "rb")\nPath(p).open(mode="ab")\nPath(p).write_text("x")\n')
     assert writes_in(module) == [2, 4, 5]
+    module.write_text('m = io.BytesIO()\nav.open(m, "w")\nn = io.BytesIO()\nn = path\nav.open(n, "w")\n')
+    assert writes_in(module) == [5]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=name_of)
