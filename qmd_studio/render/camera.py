@@ -13,6 +13,7 @@ from qmd_studio.arrays import FloatArray
 
 HALF_TURN = math.pi
 PITCH_LIMIT = math.radians(89.9)
+_GLIDE_S = 0.07
 MIN_DISTANCE, MAX_DISTANCE = 0.02, 2_000.0
 PRESETS = MappingProxyType(
     {
@@ -131,6 +132,10 @@ class Camera:
             yaw=math.remainder(yaw, math.tau),
             pitch=self.pitch + fraction * (goal.pitch - self.pitch),
         )
+
+    def glided(self, goal: Camera, passed_s: float) -> Camera:
+        """Return the camera after a while of its soft glide to `goal`, which it reaches before a pixel is missing."""
+        return goal if self.is_near(goal) else self.towards(goal, 1.0 - math.exp(-passed_s / _GLIDE_S))
 
     def is_near(self, goal: Camera) -> bool:
         """Whether `goal` would give the same picture to within a fraction of a pixel."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -86,6 +86,15 @@ class Scene:
     show_axes: bool = True
     ground_y: float = 0.0
     backdrop: bool = True
+
+    def with_actors(self, actors: tuple[Actor, ...]) -> Scene:
+        """Return the stage with other actors, the selected joint still selected if there is one of its number."""
+        selected = self.selected
+        if selected is not None:
+            number, joint = selected
+            if number >= len(actors) or joint >= len(actors[number].body.skeleton.joints):
+                selected = None
+        return replace(self, actors=actors, selected=selected, hovered=None)
 
     def points(self) -> FloatArray:
         """Return points (n, 3) that bound every actor, for framing: the joints and the tips of their surfaces."""

@@ -29,6 +29,7 @@ from qmd_studio.ui.file_desk import FileDesk
 from qmd_studio.ui.focus_ring import FocusRing
 from qmd_studio.ui.help_dialog import HelpDialog
 from qmd_studio.ui.icons import application_icon, icon
+from qmd_studio.ui.look_switch import LookSwitch
 from qmd_studio.ui.menus import Menus, tool_bar
 from qmd_studio.ui.outliner import Outliner
 from qmd_studio.ui.panels import LAB_MIN_WIDTH, arrange, dock, scrolling
@@ -79,7 +80,7 @@ class MainWindow(QMainWindow):
         self._make_panels()
         self._make_bars()
         self.stage = Stage(self.viewport, self.playhead, self)
-        self.views = ViewSwitch(self)
+        self.views, self.looks = ViewSwitch(self), LookSwitch(self)
         self.player = Player(self.playhead, self)
         self.verbs.connect_all(self._handlers())
         self.verbs["follow"].setChecked(self.stage.follows)
@@ -157,6 +158,7 @@ class MainWindow(QMainWindow):
             "view_three_quarter": lambda: view("three-quarter"),
             "orthographic": self.viewport.toggle_orthographic,
             **self.views.handlers(),
+            **self.looks.handlers(),
             **{f"theme_{theme}": lambda t=theme: self._choose_theme(t) for theme in Theme},
             "full_screen": self._toggle_full_screen,
             "reset_layout": self.reset_layout,
@@ -352,6 +354,7 @@ class MainWindow(QMainWindow):
             banner.draw_icons(getattr(self.themes.colours, banner.kind))
         self.viewport.set_theme(self.themes.dark)
         self.views.set_dark(self.themes.dark)
+        self.looks.follow()
 
     def _toggle_full_screen(self) -> None:
         if self.isFullScreen():

@@ -66,6 +66,7 @@ class Menus(QObject):
         self._fill(view, "view")
         bar.addMenu(view)
         view.insertMenu(self._actions["show_original"], self._menu(self.tr("View fro&m"), "view_from"))
+        view.insertMenu(self._actions["show_original"], self._menu(self.tr("Loo&k"), "look"))
         view.insertSeparator(self._actions["show_original"])
         view.insertMenu(self._actions["heat_map"], self._menu(self.tr("&Compare by"), "compare"))
         view.insertMenu(self._actions["full_screen"], self._menu(self.tr("T&heme"), "theme"))
@@ -102,6 +103,7 @@ def tool_bar(window: QMainWindow, actions: Actions) -> QToolBar:
         bar.addActions([actions[verb] for verb in group])
         bar.addSeparator()
     bar.addWidget(_view_button(bar, actions))
+    bar.addWidget(_look_button(bar, actions))
     bar.addSeparator()
     bar.addActions([actions[verb] for verb in ("show_original", "show_both", "show_decoded")])
     bar.addWidget(_compare_button(bar, actions))
@@ -122,6 +124,15 @@ def _view_button(bar: QToolBar, actions: Actions) -> QToolButton:
     button.setIcon(icon("view"))
     button.setToolTip(QCoreApplication.translate("Menus", "Look from the front, a side or above"))
     button.setAccessibleName(QCoreApplication.translate("Menus", "View from"))
+    return button
+
+
+def _look_button(bar: QToolBar, actions: Actions) -> QToolButton:
+    button = _popup(bar, actions, "look")
+    button.setObjectName("Look")
+    button.setIcon(icon("look-solid"))
+    button.setToolTip(QCoreApplication.translate("Menus", "Show bodies solid, in segments, by X-ray or as a wireframe"))
+    button.setAccessibleName(QCoreApplication.translate("Menus", "Look"))
     return button
 
 

@@ -36,6 +36,24 @@ class Settings:
         self._store.setValue("theme", theme)
 
     @property
+    def look(self) -> str:
+        """How bodies are shown: the name of a look of the renderer, if nobody else has written here."""
+        return str(self._store.value("view/look", "solid"))
+
+    @look.setter
+    def look(self, look: str) -> None:
+        self._store.setValue("view/look", look)
+
+    @property
+    def joint_names(self) -> bool:
+        """Whether the joint under the mouse is named."""
+        return str(self._store.value("view/joint_names", "true")) == "true"
+
+    @joint_names.setter
+    def joint_names(self, names: bool) -> None:
+        self._store.setValue("view/joint_names", "true" if names else "false")
+
+    @property
     def recent(self) -> list[Path]:
         """The files opened last, newest first, that still exist."""
         stored = self._store.value("recent", [])

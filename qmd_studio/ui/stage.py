@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -160,12 +160,13 @@ class Stage(QObject):
         take = self._takes.get(side)
         world = self._matrices(clip.motion if take is None else take.decoded())
         body = body_of(clip)
+        actor = Actor(body, world, world_from_figure=self._upright)
         if view is View.DIFFERENCE and side is Side.A:
-            return Actor(body, world, tint=_GREY, alpha=_FAINT, ghost=True)
+            return replace(actor, tint=_GREY, alpha=_FAINT, ghost=True)
         if view is View.DIFFERENCE:
-            return Actor(body, world, heat=self._heat(self._difference), only_hot=True)
+            return replace(actor, heat=self._heat(self._difference), only_hot=True)
         heat = self._heat(take.distance_mm) if take is not None and self._heated else None
-        return Actor(body, world, ghost=view is View.GHOST and side is Side.B, heat=heat)
+        return replace(actor, ghost=view is View.GHOST and side is Side.B, heat=heat)
 
     def _heat(self, distance_mm: Float32Array | None) -> FloatArray | None:
         if distance_mm is None or self._clip is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
-from PySide6.QtWidgets import QToolTip, QWidget
+from PySide6.QtWidgets import QWidget
 
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.render.camera import Camera
@@ -20,16 +19,13 @@ from qmd_studio.render.panes import Layout, Pane, pane_at, panes_of
 from qmd_studio.render.picking import Hit, pick
 from qmd_studio.render.quality import Quality, QualityController
 from qmd_studio.render.renderer import Renderer
-from qmd_studio.render.scene import Actor, Scene, limb_points
+from qmd_studio.render.scene import Actor, Look, Scene, limb_points
 from qmd_studio.ui.viewport_format import viewport_format
-from qmd_studio.ui.viewport_keys import Drag, drag_of, verb_of
+from qmd_studio.ui.viewport_hover import Hover
+from qmd_studio.ui.viewport_keys import Drag, drag_of, dragged, verb_of
 from qmd_studio.ui.viewport_words import paint_words
 
-_ORBIT_RADIANS = 2.6
-"""How far a drag over the picture's whole height turns the camera."""
-_GLIDE_S = 0.07
 _STILL_AFTER_MS = 220
-_HOVER_AFTER_MS = 120
 _CLICK_PIXELS = 4
 
 
@@ -70,8 +66,8 @@ class Viewport(QOpenGLWidget):
         self._still = False
         self._still_timer = QTimer(self, singleShot=True, interval=_STILL_AFTER_MS)
         self._still_timer.timeout.connect(self._draw_still)
-        self._hover_timer = QTimer(self, singleShot=True, interval=_HOVER_AFTER_MS)
-        self._hover_timer.timeout.connect(self._hover)
+        self.hover = Hover(self)
+        self._look = Look.SOLID
 
     @property
     def camera(self) -> Camera:
@@ -90,12 +86,8 @@ class Viewport(QOpenGLWidget):
 
     def set_actors(self, actors: Sequence[Actor]) -> None:
         """Show these actors; the first that ever come are framed."""
-        selected = self._scene.selected
-        if selected is not None:
-            number, joint = selected
-            if number >= len(actors) or joint >= len(actors[number].body.skeleton.joints):
-                selected = None
-        self._scene = replace(self._scene, actors=tuple(actors), selected=selected, hovered=None)
+        self._scene = self._scene.with_actors(self._in_look(actors))
+        self.hover.wait()
         if actors and not self._framed_once:
             self._framed_once = True
             self._frame(self._scene.points(), glide=False)
@@ -130,16 +122,35 @@ class Viewport(QOpenGLWidget):
 
     def set_overlays(self, *, ground: bool | None = None, axes: bool | None = None) -> None:
         """Show or hide the ground and the axes."""
-        scene = self._scene
-        ground = scene.show_ground if ground is None else ground
-        axes = scene.show_axes if axes is None else axes
-        self._scene = replace(scene, show_ground=ground, show_axes=axes)
+        shown = {"show_ground": ground, "show_axes": axes}
+        self._scene = replace(self._scene, **{name: value for name, value in shown.items() if value is not None})
         self._changed()
 
     def set_ground_height(self, height_m: float) -> None:
         """Lay the ground at this height."""
         self._scene = replace(self._scene, ground_y=height_m)
         self._changed()
+
+    @property
+    def look(self) -> Look:
+        """How the bodies' surfaces are shown."""
+        return self._look
+
+    def set_look(self, look: Look) -> None:
+        """Show the bodies' surfaces in another way."""
+        if look is not self._look:
+            self._look = look
+            self._scene = replace(self._scene, actors=self._in_look(self._scene.actors))
+            self._changed()
+
+    def _in_look(self, actors: Sequence[Actor]) -> tuple[Actor, ...]:
+        return tuple(actor if actor.look is self._look else replace(actor, look=self._look) for actor in actors)
+
+    def set_hovered(self, hovered: tuple[int, int] | None) -> None:
+        """Show faintly that the mouse is on a joint of an actor."""
+        if hovered != self._scene.hovered:
+            self._scene = replace(self._scene, hovered=hovered)
+            self._changed()
 
     def set_message(self, text: str | None) -> None:
         """Show `text` over the picture; None shows the invitation to drop a file while the stage is empty."""
@@ -217,8 +228,7 @@ class Viewport(QOpenGLWidget):
         self._draw_words()
 
     def _draw(self, renderer: Renderer, controller: QualityController) -> None:
-        ratio = self.devicePixelRatioF()
-        size = (round(self.width() * ratio), round(self.height() * ratio))
+        ratio, size = self._pixels()
         controller.begin()
         renderer.draw_panes(
             self.panes,
@@ -233,15 +243,16 @@ class Viewport(QOpenGLWidget):
             controller.end()
             self._still_timer.start()
 
+    def _pixels(self) -> tuple[float, tuple[int, int]]:
+        """The pixels to a logical one, and the picture's size in them."""
+        ratio = self.devicePixelRatioF()
+        return ratio, (round(self.width() * ratio), round(self.height() * ratio))
+
     def _advance(self) -> None:
         now = time.perf_counter()
-        passed = min(now - self._last_paint, 0.1)
-        self._last_paint = now
-        if self._camera == self._goal:
-            return
-        glide = self.animated and not self._camera.is_near(self._goal)
-        self._camera = self._camera.towards(self._goal, 1.0 - math.exp(-passed / _GLIDE_S)) if glide else self._goal
-        if glide:
+        passed, self._last_paint = min(now - self._last_paint, 0.1), now
+        self._camera = self._camera.glided(self._goal, passed) if self.animated else self._goal
+        if self._camera != self._goal:
             QTimer.singleShot(0, self.update)
 
     def _draw_words(self) -> None:
@@ -250,6 +261,8 @@ class Viewport(QOpenGLWidget):
             text = self.tr("Drop a BVH, AMC, BAP, X3D or QMD file here")
         if text is not None:
             paint_words(self, text, dark=self._scene.dark, covering=self._failure is not None)
+        if self._failure is None:
+            self.hover.paint(dark=self._scene.dark)
 
     def _draw_still(self) -> None:
         if self._camera == self._goal:
@@ -302,29 +315,21 @@ class Viewport(QOpenGLWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._pressed = self._last = event.position()
         self._drag = drag_of(event.button(), event.modifiers())
-        self._hover_timer.stop()
-        QToolTip.hideText()
+        self.hover.leave()
         event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         at = event.position()
         if self._drag is None:
             self._last = at
-            self._hover_timer.start()
+            self.hover.move(at)
             return
         moved = (at - self._last) / max(self.height(), 1)
         self._last = at
-        goal = self._goal
-        if self._drag is Drag.ORBIT:
-            if self._was_click(at):
-                return
-            goal = goal.orbit(moved.x() * _ORBIT_RADIANS, -moved.y() * _ORBIT_RADIANS)
-        elif self._drag is Drag.PAN:
-            goal = goal.pan(moved.x(), -moved.y())
-        else:
-            goal = goal.zoom(math.exp(2.5 * (moved.x() - moved.y())))
-        self._camera = goal  # a drag follows the hand without delay
-        self._go(goal)
+        if self._drag is Drag.ORBIT and self._was_click(at):
+            return
+        self._camera = dragged(self._goal, self._drag, moved)  # a drag follows the hand without delay
+        self._go(self._camera)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         clicked = self._drag is not None and event.button() == Qt.MouseButton.LeftButton
@@ -343,27 +348,24 @@ class Viewport(QOpenGLWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         verb = verb_of(event)
+        framing = {"frame_all": self.frame_all, "frame_selection": self.frame_selection}
+        doing = framing | {"orthographic": self.toggle_orthographic}
         if verb is None:
             super().keyPressEvent(event)
-        elif verb == "frame_all":
-            self.frame_all()
-        elif verb == "frame_selection":
-            self.frame_selection()
-        elif verb == "orthographic":
-            self.toggle_orthographic()
+        elif verb in doing:
+            doing[verb]()
         else:
             self.view_preset(verb)
 
     def leaveEvent(self, event: QEvent) -> None:
-        self._hover_timer.stop()
-        self._set_hovered(None)
+        self.hover.leave()
         super().leaveEvent(event)
 
     def _was_click(self, at: QPointF) -> bool:
         return (at - self._pressed).manhattanLength() < _CLICK_PIXELS
 
     def _click(self, at: QPointF) -> None:
-        preset = self._triad_preset(at)
+        preset = self.preset_at(at)
         if preset is not None:
             self.view_preset(preset)
             return
@@ -373,28 +375,25 @@ class Viewport(QOpenGLWidget):
         self.joint_picked.emit(hit.joint if hit else -1)
 
     def hit(self, at: QPointF) -> Hit | None:
-        """Return what is under a place of the widget, or None."""
+        """Return what is seen at a place of the widget, or None."""
+        if self._renderer is not None:
+            ratio, size = self._pixels()
+            self.makeCurrent()
+            try:
+                place = (at.x() * ratio, at.y() * ratio)
+                return self._renderer.pick(self.panes, self._camera, size, place, pixel_ratio=ratio)
+            except QmdStudioError:
+                pass  # what cannot be drawn as numbers is worked out
+            finally:
+                self.doneCurrent()
         pane = self._pane_at(at)
         hit = pick(pane.scene, *self._camera.ray(*self._place(at), self._aspect()))
         return hit and replace(hit, actor=hit.actor + pane.first_actor)
 
-    def _triad_preset(self, at: QPointF) -> str | None:
+    def preset_at(self, at: QPointF) -> str | None:
+        """Return the view preset that a click on the axes in the corner turns to, None beside them."""
         if not self._scene.show_axes:
             return None
         right = (at.x() - (self.width() - TRIAD_INSET)) / TRIAD_RADIUS
         up = (TRIAD_INSET - at.y()) / TRIAD_RADIUS
         return triad_preset(self._camera, right, up)
-
-    def _hover(self) -> None:
-        hit = self.hit(self._last) if self._triad_preset(self._last) is None else None
-        self._set_hovered((hit.actor, hit.joint) if hit else None)
-        if hit is None:
-            QToolTip.hideText()
-            return
-        name = self._scene.actors[hit.actor].body.skeleton.joints[hit.joint].name
-        QToolTip.showText(self.mapToGlobal(self._last.toPoint()), name, self)
-
-    def _set_hovered(self, hovered: tuple[int, int] | None) -> None:
-        if hovered != self._scene.hovered:
-            self._scene = replace(self._scene, hovered=hovered)
-            self._changed()

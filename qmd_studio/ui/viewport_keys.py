@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum, auto
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QKeyEvent
+
+from qmd_studio.render.camera import Camera
+
+_ORBIT_RADIANS = 2.6
+"""How far a drag over the picture's whole height turns the camera."""
 
 
 class Drag(Enum):
@@ -28,6 +34,15 @@ def drag_of(button: Qt.MouseButton, modifiers: Qt.KeyboardModifier) -> Drag | No
     if button == Qt.MouseButton.RightButton and alt:
         return Drag.ZOOM
     return None
+
+
+def dragged(camera: Camera, drag: Drag, moved: QPointF) -> Camera:
+    """Return the camera after a drag by `moved`, in heights of the picture, to the right and down."""
+    if drag is Drag.ORBIT:
+        return camera.orbit(moved.x() * _ORBIT_RADIANS, -moved.y() * _ORBIT_RADIANS)
+    if drag is Drag.PAN:
+        return camera.pan(moved.x(), -moved.y())
+    return camera.zoom(math.exp(2.5 * (moved.x() - moved.y())))
 
 
 def verb_of(event: QKeyEvent) -> str | None:

@@ -18,7 +18,7 @@ from qmd_studio.render.camera import PRESETS, Camera
 from qmd_studio.render.gl import GraphicsError
 from qmd_studio.render.overlay import TRIAD_INSET, TRIAD_RADIUS
 from qmd_studio.render.quality import LADDER
-from qmd_studio.render.scene import Actor
+from qmd_studio.render.scene import Actor, Look
 from qmd_studio.ui.viewport import Viewport
 
 
@@ -226,6 +226,48 @@ def test_drag_over_the_body_picks_nothing(viewport):
     viewport.joint_picked.connect(picked.append)
     drag(viewport, QPointF(160, 100), QPointF(200, 100), Qt.MouseButton.LeftButton)
     assert picked == []
+
+
+@pytest.mark.parametrize("look", list(Look))
+def test_what_is_picked_is_what_the_rays_meet(viewport, look):
+    viewport.set_actors([actor()])
+    viewport.set_look(look)
+    viewport.view_preset("front")
+    pixels(viewport)
+    for joint, (x, y, z) in ((2, (0.02, 0.1, 0)), (4, (0.03, 0, 0)), (7, (0.0, -0.4, 0))):
+        at = QPointF(*place_of(viewport, viewport.scene.actors[0].joint_positions()[joint] + (x, y, z)))
+        assert viewport.hit(at).joint == joint
+        renderer, viewport._renderer = viewport._renderer, None  # as where there is no OpenGL
+        assert viewport.hit(at).joint == joint
+        viewport._renderer = renderer
+    assert viewport.hit(QPointF(3, 3)) is None
+
+
+def test_resting_mouse_names_the_joint_and_its_segment_beside_the_pointer(qtbot, viewport):
+    body = replace(actor().body, segments=("", "", "skull", "", "", "", "", "", "", "", ""))
+    viewport.set_actors([replace(actor(), body=body)])
+    viewport.view_preset("front")
+    x, y = place_of(viewport, viewport.scene.actors[0].joint_positions()[2] + (0.03, 0.08, 0))
+    before = pixels(viewport)
+    qtbot.mouseMove(viewport, QPoint(round(x), round(y)))
+    qtbot.waitUntil(lambda: viewport.hover.lines == ("Head", "skull"))
+    assert viewport.scene.hovered == (0, 2)
+    beside = np.s_[round(y) + 14 : round(y) + 30, round(x) + 16 : round(x) + 40]
+    assert np.abs(pixels(viewport) - before)[beside].sum(axis=2).mean() > 20
+    viewport.hover.names = False
+    assert viewport.hover.lines == ()
+    viewport.hover.names = True
+    qtbot.mouseMove(viewport, QPoint(3, 3))
+    qtbot.waitUntil(lambda: viewport.hover.lines == ())
+    assert viewport.scene.hovered is None
+
+
+def test_actors_that_come_later_are_shown_in_the_chosen_look(viewport):
+    viewport.set_look(Look.XRAY)
+    viewport.set_actors([actor(), actor(ghost=True)])
+    assert {shown.look for shown in viewport.scene.actors} == {Look.XRAY}
+    viewport.set_look(Look.SOLID)
+    assert {shown.look for shown in viewport.scene.actors} == {Look.SOLID}
 
 
 def test_click_on_an_axis_of_the_triad_turns_the_view(qtbot, viewport):
