@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from OpenGL import GL
 
 from qmd_studio.arrays import FloatArray
-from qmd_studio.avatar.humanoid import Surface
+from qmd_studio.avatar.humanoid import Body
 from qmd_studio.errors import FormatError
 from qmd_studio.render.frame import Frame
 from qmd_studio.render.gl import Program, palette_rows
@@ -34,7 +33,7 @@ class Bodies:
         self._palette, self._marks = UniformBlock(0, 3 * self.max_joints), UniformBlock(1, self.max_joints)
         self._programs: dict[tuple[str, ...], Program] = {}
         self._prepared: set[int] = set()
-        self._meshes: dict[tuple[int, int], tuple[Surface, Mesh]] = {}
+        self._meshes: dict[tuple[int, ...], tuple[Body, Mesh]] = {}
         self._heat = Texture(linear(heat_colours(np.linspace(0, 1, 256)))[None])
 
     def draw_solid(self, frame: Frame) -> None:
@@ -168,7 +167,7 @@ class Bodies:
     def _mesh(self, scene: Scene, number: int) -> Mesh:
         key, body = _mesh_key(scene, number), scene.actors[number].body
         if key not in self._meshes:
-            self._meshes[key] = (body.surface, Mesh(body.surface, body.displacers))
+            self._meshes[key] = (body, Mesh(body.surface, body.displacers))
         mesh = self._meshes[key][1]
         mesh.displace(scene.actors[number].displacer_weights())
         return mesh
@@ -201,16 +200,10 @@ def _joint_of(mark: tuple[int, int] | None, actor: int) -> int:
     return mark[1] if mark is not None and mark[0] == actor else -1
 
 
-def _mesh_key(scene: Scene, number: int) -> tuple[int, int]:
+def _mesh_key(scene: Scene, number: int) -> tuple[int, ...]:
     """Bodies of one surface share a mesh, but where each may have a shape of its own."""
     body = scene.actors[number].body
-    return id(body.surface), _rank(scene, number) if body.displacers else 0
-
-
-def _rank(scene: Scene, number: int) -> int:
-    surface = scene.actors[number].body.surface
-    return sum(1 for actor in _before(scene, number) if actor.body.surface is surface)
-
-
-def _before(scene: Scene, number: int) -> Iterator[Actor]:
-    return iter(scene.actors[:number])
+    if not body.displacers:
+        return (id(body.surface),)
+    rank = sum(1 for actor in scene.actors[:number] if actor.body.surface is body.surface)
+    return id(body.surface), id(body.displacers), rank

@@ -11,6 +11,8 @@ from OpenGL import GL
 from qmd_studio.render.camera import Camera
 from qmd_studio.render.egl import EglContext
 from qmd_studio.render.gl import GraphicsError
+from qmd_studio.render.panes import Pane
+from qmd_studio.render.picking import Hit
 from qmd_studio.render.quality import FINE, Quality
 from qmd_studio.render.renderer import Renderer
 from qmd_studio.render.scene import Scene
@@ -62,6 +64,11 @@ class OffscreenRenderer:
         finally:
             target.release()
         return pixels[:, :, :3] if scene.backdrop else straight(pixels)
+
+    def pick(self, scene: Scene, camera: Camera, size: tuple[int, int], at: tuple[float, float]) -> Hit | None:
+        """Return what a picture of `scene` shows at a pixel `at`, from the left and from the top, or None."""
+        self._context.make_current()
+        return self.renderer.pick((Pane(scene),), camera, size, at)
 
     def close(self) -> None:
         """Give everything back to the driver."""
