@@ -21,11 +21,14 @@ class Hover(QObject):
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self.names = True
-        self._viewport = viewport
         self._at: QPointF | None = None
         self._lines: tuple[str, ...] = ()
         self._timer = QTimer(self, singleShot=True, interval=_AFTER_MS)
         self._timer.timeout.connect(self.look)
+
+    @property
+    def _viewport(self) -> Viewport:
+        return self.parent()  # asked for each time: a viewport that its own part held would outlive its context
 
     @property
     def lines(self) -> tuple[str, ...]:
