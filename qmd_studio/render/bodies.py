@@ -60,7 +60,7 @@ class Bodies:
                 continue
             GL.glDepthMask(True)
             GL.glColorMask(False, False, False, False)
-            self._draw_lit(frame, number)
+            self._lay_depth(frame, number)
             GL.glColorMask(True, True, True, True)
             GL.glDepthMask(False)
             GL.glEnable(GL.GL_BLEND)
@@ -112,6 +112,15 @@ class Bodies:
         spare = [key for key in self._meshes if key not in used]
         for key in spare[: max(0, len(spare) - _SPARE_MESHES)]:
             self._meshes.pop(key)[1].release()
+
+    def _lay_depth(self, frame: Frame, number: int) -> None:
+        actor = frame.scene.actors[number]
+        if actor.only_hot:
+            self._draw_lit(frame, number)  # which knows what is not seen at all
+            return
+        program, mesh = self._ready(frame.scene, number, ("depth",), frame.view_uniforms)
+        program.set(nudge=GHOST_GAP_M if actor.ghost else 0.0)
+        mesh.draw()
 
     def _draw_lit(self, frame: Frame, number: int) -> None:
         actor = frame.scene.actors[number]

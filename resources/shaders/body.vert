@@ -34,6 +34,7 @@ out vec3 base;
 out vec2 mark;   // how much of the vertex is selected, hovered
 out vec2 warmth; // heat, and how much of the vertex has one
 flat out int carrier;
+invariant gl_Position;  // depths that one program lays are met by another to the bit
 
 vec4 x = vec4(0.0), y = vec4(0.0), z = vec4(0.0);
 vec4 painted = vec4(0.0);

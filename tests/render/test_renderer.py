@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gl_picture import SIZE, HiddenContext
 
 from qmd_studio.avatar.bone_body import bone_body
 from qmd_studio.avatar.humanoid import Body, Surface
 from qmd_studio.motion.skeleton import EndSite, Joint, Skeleton, SkeletonKind
 from qmd_studio.render.camera import Camera
+from qmd_studio.render.offscreen import OffscreenRenderer
 from qmd_studio.render.picking import pick
 from qmd_studio.render.quality import LADDER
 from qmd_studio.render.scene import Actor, Scene, posed_vertices
 
+SIZE = (320, 240)
 PLAIN = LADDER[3]
 ASPECT = SIZE[0] / SIZE[1]
 FRONT = Camera(target=(0.0, 1.0, 0.0), distance=3.5).preset("front")
@@ -38,25 +39,17 @@ def pixel(x: float, y: float) -> tuple[int, int]:
 
 
 @pytest.fixture(scope="module")
-def context(qapp):
-    hidden = HiddenContext()
-    yield hidden
-    hidden.close()
+def offscreen():
+    with OffscreenRenderer() as renderer:
+        yield renderer
 
 
 @pytest.fixture
-def draw(context):
-    from qmd_studio.render.renderer import Renderer
-
-    context.make_current()
-    renderer = Renderer()
-
+def draw(offscreen):
     def picture(scene, camera=FRONT, quality=PLAIN):
-        return context.picture(renderer, scene, camera, quality=quality)
+        return offscreen.picture(scene, camera, SIZE, quality=quality).astype(int)
 
-    yield picture
-    context.make_current()
-    renderer.release()
+    return picture
 
 
 def differ(a, b, threshold=24):
