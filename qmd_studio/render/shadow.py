@@ -13,7 +13,7 @@ from qmd_studio.render.scene import Actor
 _SIZE = 72
 _MAX_BONES = 28
 _WIDTH_NEAR, _WIDTH_PER_M = 0.028, 0.13
-_LEAN = np.array([-0.06, -0.12])  # the shadow's shift along x and z for each metre of height, away from the key light
+_LEAN = np.array([0.06, -0.12])  # the shadow's shift along x and z for each metre of height, away from the key light
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -174,7 +174,7 @@ def test_ground_has_lines_and_a_shadow_under_the_body(draw):
     standing = at(body)
     standing[:, 1, 3] -= 0.35
     shaded = draw(Scene((Actor(body, standing),), show_axes=False), camera)
-    place = camera.project([-0.10, 0.0, -0.08], ASPECT)[0]
+    place = camera.project([0.10, 0.0, -0.08], ASPECT)[0]
     row, column = int((1 - place[1]) / 2 * SIZE[1]), int((place[0] + 1) / 2 * SIZE[0])
     assert shaded[row, column].sum() < ground[row, column].sum() - 12
     ghostly = draw(Scene((Actor(body, standing, ghost=True),), show_axes=False), camera)
