@@ -53,6 +53,12 @@ class Reduction:
             raise CodecError("no column would be left", hint="Keep higher levels")
         return kept
 
+    def n_columns(self, skeleton: Skeleton) -> int:
+        """Return how many columns are left; raises as `kept_columns` does."""
+        if self.max_level == MAX_LEVEL and self.max_loa is None:
+            return skeleton.n_columns
+        return int(self.kept_columns(skeleton).sum())
+
     def n_rows(self, n_frames: int) -> int:
         """Return the rows of differences (the paper's n) that are left of `n_frames` frames."""
         return -(-n_frames // self.fps_divisor) - 1

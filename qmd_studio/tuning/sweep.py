@@ -53,8 +53,8 @@ def coarse_first(n_columns: int) -> list[int]:
 def def_lines(trials: Sequence[Trial]) -> dict[int, list[tuple[float, float]]]:
     """Return for each b the points (FDF, DEF) tried so far, FDF ascending, DEF held above what can be drawn."""
     lines: dict[int, list[tuple[float, float]]] = {bits: [] for bits in FIGURE_BITS}
-    for trial in sorted(trials, key=lambda t: t.settings.fdf):
-        lines[trial.settings.bits].append((float(trial.settings.fdf), drawn_def(trial.def_)))
+    for trial in sorted(trials, key=lambda t: t.paper.fdf):
+        lines[trial.paper.bits].append((float(trial.paper.fdf), drawn_def(trial.def_)))
     return lines
 
 

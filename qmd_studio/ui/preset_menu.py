@@ -25,7 +25,8 @@ from PySide6.QtWidgets import (
 
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import QmdStudioError
-from qmd_studio.project.presets import BUILT_IN, MAX_NAME, Preset, PresetShelf, to_json
+from qmd_studio.project.preset_json import MAX_NAME, Preset, to_json
+from qmd_studio.project.presets import BUILT_IN, PresetShelf
 from qmd_studio.storage import write_atomic
 from qmd_studio.ui.notice import Notice
 

@@ -14,8 +14,8 @@ from command_line import ROOT, Qmd, write_walk
 from corpus import corpus_file
 
 BEST_KEYS = {
-    "encoder", "fdf", "bits", "segment", "bytes", "file_bytes", "merit", "def", "mean_mm", "p99_mm", "max_mm",
-    "worst_joint", "worst_frame", "velocity_mm_s", "acceleration_mm_s2",
+    "encoder", "fdf", "bits", "segment", "every", "max_level", "max_loa", "bytes", "file_bytes", "merit",
+    "def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame", "velocity_mm_s", "acceleration_mm_s2",
 }  # fmt: skip
 
 
