@@ -28,19 +28,20 @@ from qmd_studio.tuning.reductions import combined, distinct
 from qmd_studio.tuning.report import EncodeReport
 from qmd_studio.tuning.search import search
 from qmd_studio.tuning.targets import Target, TargetKind, meet
-from qmd_studio.tuning.trial import Evaluator, Trial
+from qmd_studio.tuning.trial import Trial
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Field:
-    """One reduction, and the grid that is searched on what it leaves."""
+    """One reduction, the motion that it leaves, and the grid that is searched on that."""
 
-    evaluator: Evaluator
+    reduction: Reduction
+    left: Motion
     grid: Grid
 
     @property
     def n_settings(self) -> int:
-        return sum(len(column.bits) for column in self.grid.columns(self.evaluator.motion))
+        return sum(len(column.bits) for column in self.grid.columns(self.left))
 
 
 def run(arguments: Namespace) -> Report:
@@ -74,22 +75,22 @@ def run(arguments: Namespace) -> Report:
 
 
 def _fields(arguments: Namespace, motion: Motion, target: Target | None) -> list[_Field]:
-    base = QmdSettings(encoder=Encoder(arguments.encoder), k=arguments.k, rqt=arguments.rqt)
     wanted = combined(arguments.every, arguments.max_level, arguments.max_loa)
-    evaluators = [evaluator_for(motion, base, reduction) for reduction in distinct(wanted, motion)]
-    return [_Field(evaluator, _grid(arguments, evaluator.motion, target)) for evaluator in evaluators]
+    reduced = [(reduction, reduction.reduce(motion)) for reduction in distinct(wanted, motion)]
+    return [_Field(reduction, left, _grid(arguments, left, target)) for reduction, left in reduced]
 
 
 def _found(
     arguments: Namespace, motion: Motion, fields: list[_Field], target: Target | None, line: ProgressLine
 ) -> Outcome:
     rank = target.rank(motion) if target else by_merit
-    searches = [lambda tell, field=field: _searched(arguments, field, target, tell) for field in fields]
+    searches = [lambda tell, field=field: _searched(arguments, motion, field, target, tell) for field in fields]
     return across(searches, rank=rank, on_progress=line.of_search)
 
 
-def _searched(arguments: Namespace, field: _Field, target: Target | None, tell: OnProgress) -> Outcome:
-    evaluator, grid = field.evaluator, field.grid
+def _searched(arguments: Namespace, motion: Motion, field: _Field, target: Target | None, tell: OnProgress) -> Outcome:
+    base = QmdSettings(encoder=Encoder(arguments.encoder), k=arguments.k, rqt=arguments.rqt)
+    evaluator, grid = evaluator_for(motion, base, field.reduction), field.grid
     memory = Memory(evaluator, _state(arguments.state, evaluator.reduction))
     if target:
         thorough = True if arguments.exhaustive else None
@@ -164,7 +165,7 @@ def _lines(
         ("payload", in_bytes(report.size.bytes)),
         ("bytes × DEF", f"{report.size.bytes * report.error.def_:,.4g}"),
         *error_lines(report.error),
-        ("grid", _described(fields[0].grid, fields[0].evaluator.motion)),
+        ("grid", _described(fields[0].grid, fields[0].left)),
         ("tried", f"{outcome.evaluations:,} of {n_settings:,} settings{reductions} in {outcome.seconds:.2f} s"),
     ]
 

@@ -1,4 +1,4 @@
-"""The compact profile among the searches: what it comes to at some errors, and the setting that meets a target."""
+"""What is made for an error among the searches: what it comes to, and the setting that meets a target."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from threading import Event
 
 from qmd_studio.codecs.compact.settings import CompactSettings
-from qmd_studio.errors import CodecError
+from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.errors import Cancelled, CodecError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.tuning.encode_settings import COMPACT_DEFAULT, EncodeSettings
 from qmd_studio.tuning.lab_session import LabSession
@@ -35,10 +37,10 @@ def compact_trials(session: LabSession, reduction: Reduction) -> Iterator[Trial 
             yield tried(session, EncodeSettings(CompactSettings(mean_error_mm=error, segment=segment), reduction))
 
 
-def tried(session: LabSession, settings: EncodeSettings) -> Trial | None:
-    """Return what `settings` come to, None where they cannot be kept to."""
+def tried(session: LabSession, settings: EncodeSettings, cancel: Event | None = None) -> Trial | None:
+    """Return what `settings` come to, None where they cannot be kept to; raises `Cancelled` as the session does."""
     try:
-        report = session.evaluate(settings)
+        report = session.evaluate(settings, cancel=cancel)
     except CodecError:
         return None
     error = report.error
@@ -83,6 +85,21 @@ def meet_compact(
         seconds=time.perf_counter() - started,
         complete=not cancel.is_set(),
     )
+
+
+def meet_bounded(motion: Motion, base: EncodeSettings, target: Target, *, cancel: Event | None = None) -> Outcome:
+    """Return what the bounded encoder finds for a worst distance; what it can reach where it cannot keep that.
+
+    With frames left out the bound holds where they were kept, so the file may miss a target that the encoder met.
+    """
+    started, session = time.perf_counter(), LabSession(motion)
+    settings = replace(base, coding=replace(base.paper or QmdSettings(), max_error_mm=target.value))
+    try:
+        trial = tried(session, settings, cancel)
+    except Cancelled:
+        return Outcome(None, (), 0, time.perf_counter() - started, complete=False)
+    trials = (trial,) if trial else ()
+    return Outcome(trial, trials, 1, time.perf_counter() - started, complete=True)
 
 
 def _halve(attempt: Callable[[float], Trial | None], target: Target, motion: Motion, cancel: Cancel) -> None:

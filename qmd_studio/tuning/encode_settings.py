@@ -55,6 +55,14 @@ class EncodeSettings:
         """Whether the size can be told before anything is encoded."""
         return self.paper is not None and not self.is_bounded
 
+    def allowing(self, error_mm: float) -> EncodeSettings:
+        """Return these settings with another error where they ask for one."""
+        if self.compact is not None:
+            if self.compact.mean_error_mm is not None:
+                return replace(self, coding=replace(self.compact, mean_error_mm=error_mm))
+            return replace(self, coding=replace(self.compact, max_error_mm=error_mm))
+        return replace(self, coding=replace(self.coding, max_error_mm=error_mm))
+
     def fitted(self, motion: Motion) -> EncodeSettings:
         """Return these settings as they are for `motion`: FDF lowered, and frames kept, as far as there is need.
 

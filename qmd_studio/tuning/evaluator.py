@@ -106,7 +106,7 @@ class FastEvaluator:
         from qmd_studio.tuning import encode_kernels  # compiled code, loaded where it is first needed
 
         self.original, self.base, self.reduction = motion, base, reduction or Reduction()
-        motion = motion if self.reduction == Reduction() else self.reduction.reduce(motion)
+        motion = self.reduction.reduce(motion)
         self.motion = motion
         self._kernels = encode_kernels
         self._is_paper = base.encoder is Encoder.PAPER

@@ -22,6 +22,7 @@ from qmd_studio.tuning.trial import Evaluator, Trial
 
 _SAVE_EVERY_S = 2.0
 _VERSION = 1
+_REDUCTION = "reduction"
 
 
 class Memory:
@@ -65,7 +66,8 @@ class Memory:
     def _load(self, path: Path) -> None:
         try:
             contents = json.loads(storage.read_bytes(path))
-            about = {key: contents[key] for key in self._about}
+            about = {key: contents[key] for key in self._about if key != _REDUCTION}
+            about[_REDUCTION] = contents.get(_REDUCTION)  # files of before there were reductions do not say
             rows = [_checked(row) for row in contents["trials"]]
         except (ValueError, KeyError, TypeError) as problem:
             raise FormatError(
@@ -97,7 +99,6 @@ def _identity(evaluator: Evaluator) -> dict[str, Any]:
     digest = hashlib.sha256(np.ascontiguousarray(motion.X).tobytes())
     digest.update(json_text(skeleton_to_json(motion.skeleton)).encode())
     k = "inf" if math.isinf(base.k) else base.k
-    about: dict[str, Any] = {"motion": digest.hexdigest(), "encoder": str(base.encoder), "k": k, "rqt": base.rqt}
-    if evaluator.reduction != Reduction():
-        about["reduction"] = list(astuple(evaluator.reduction))
-    return about
+    reduction = None if evaluator.reduction == Reduction() else list(astuple(evaluator.reduction))
+    about = {"motion": digest.hexdigest(), "encoder": str(base.encoder), "k": k, "rqt": base.rqt}
+    return about | {_REDUCTION: reduction}

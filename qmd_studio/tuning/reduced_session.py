@@ -26,7 +26,7 @@ class ReducedSession:
         self.motion = motion
         self.reduction = reduction
         self._whole = whole or TuningSession(motion)
-        self.reduced = motion if self.reduces_nothing else reduction.reduce(motion)
+        self.reduced = reduction.reduce(motion)
         self._session = self._whole if self.reduces_nothing else TuningSession(self.reduced)
 
     @property

@@ -48,8 +48,9 @@ class Reduction:
         if self.max_loa is not None:
             kept &= _within_loa(skeleton, self.max_loa)
         turning = {c.joint for c, k in zip(skeleton.columns, kept, strict=True) if k and c.kind is ColumnKind.ROTATION}
-        kept |= [c.kind is ColumnKind.ROTATION and c.joint in turning for c in skeleton.columns]
-        if not kept.any():
+        together = [c.kind is ColumnKind.ROTATION and c.joint in turning for c in skeleton.columns]
+        kept |= np.array(together, dtype=np.bool_)
+        if not kept.any() and self != Reduction():
             raise CodecError("no column would be left", hint="Keep higher levels")
         return kept
 
@@ -65,6 +66,8 @@ class Reduction:
 
     def reduce(self, motion: Motion) -> Motion:
         """Return the reduced motion; raises `CodecError` where no column is left, `FormatError` for too low a rate."""
+        if self == Reduction():
+            return motion
         kept = self.kept_columns(motion.skeleton)
         frames = slice(None, None, self.fps_divisor)
         mask = None if motion.mask is None else motion.mask[frames][:, kept]

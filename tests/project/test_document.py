@@ -4,6 +4,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule
 
+from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.errors import EditError, QmdStudioError
 from qmd_studio.formats.loaded import Loaded
 from qmd_studio.motion.motion import Motion
@@ -22,6 +23,8 @@ from qmd_studio.project.commands import (
 )
 from qmd_studio.project.document import Document
 from qmd_studio.project.state import Side
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reduction import Reduction
 from tests.paper_settings import paper
 
 
@@ -108,7 +111,7 @@ def test_a_drag_is_one_step_and_the_next_drag_another(document):
     document.undo()
     assert document.state.codec.coding.bits == 11
     document.undo()
-    assert document.state.codec.coding.bits == paper().bits
+    assert document.state.codec.coding.bits == paper().coding.bits
 
 
 def test_drags_of_two_sliders_do_not_merge(document):
@@ -247,7 +250,7 @@ def test_each_side_has_its_own_settings_and_its_own_drags():
     document.execute(SetCodecSettings(a, drag="fdf", side=Side.A))
     document.execute(SetCodecSettings(paper(fdf=3), drag="fdf", side=Side.A))
     document.execute(SetCodecSettings(b, drag="fdf"))
-    assert (document.state.settings_of(Side.A).fdf, document.state.settings_of(Side.B)) == (3, b)
+    assert (document.state.settings_of(Side.A).coding.fdf, document.state.settings_of(Side.B)) == (3, b)
     assert len(document.history) == 2
     document.undo()
     document.undo()
@@ -273,3 +276,16 @@ def test_the_original_is_no_setting_for_b():
         with pytest.raises(EditError):
             document.execute(command)
     assert document.history == ()
+
+
+def test_profile_and_reduction_are_part_of_a_side_and_of_its_undo():
+    document, compact = Document(), EncodeSettings(CompactSettings(mean_error_mm=0.3), Reduction(2, 5))
+    document.execute(SetCodecSettings(compact))
+    document.execute(CopySettings(Side.A))
+    assert document.state.codec_a == document.state.codec == compact
+    document.execute(SetCodecSettings(EncodeSettings(compact.coding)))
+    document.undo()
+    assert document.state.codec.reduction == Reduction(2, 5)
+    document.undo()
+    document.undo()
+    assert document.state.codec == EncodeSettings()

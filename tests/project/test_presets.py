@@ -149,7 +149,7 @@ def test_any_bytes_are_a_preset_or_a_format_error(data):
 def test_the_built_in_presets_fit_any_motion_of_enough_columns_and_have_names_of_their_own():
     assert len({preset.name for preset in BUILT_IN}) == len({preset.settings for preset in BUILT_IN}) == len(BUILT_IN)
     for preset in BUILT_IN:
-        assert preset.settings.fitted(walker(40)) == preset.settings
+        assert preset.settings.fitted(walker(200)) == preset.settings
 
 
 def test_a_file_of_before_there_were_profiles_is_read_and_what_it_can_hold_is_written_as_it_was():

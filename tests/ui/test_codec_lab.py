@@ -91,7 +91,7 @@ def wheel(widget, notches):
 def test_dragging_a_slider_shows_the_size_in_the_same_event_and_the_error_soon(
     qtbot, open_lab, document, knob, field, place
 ):
-    slider, before = getattr(open_lab.knobs, knob).slider, open_lab.sides[Side.B].figures.def_.value.text()
+    slider, before = getattr(open_lab.knobs.paper, knob).slider, open_lab.sides[Side.B].figures.def_.value.text()
     motion, sizes = document.state.active_clip.motion, set()
     for _ in drag(slider, place):
         settings = document.state.codec.coding.checked(62, 119)
@@ -107,7 +107,7 @@ def test_dragging_a_slider_shows_the_size_in_the_same_event_and_the_error_soon(
 
 
 def test_a_held_slider_shows_drafts_and_letting_go_measures_exactly(qtbot, open_lab, document):
-    slider, motion = open_lab.knobs.fdf.slider, document.state.active_clip.motion
+    slider, motion = open_lab.knobs.paper.fdf.slider, document.state.active_clip.motion
     open_lab.reports.clear()
     start = handle(slider)
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=start)
@@ -127,7 +127,7 @@ def test_a_held_slider_shows_drafts_and_letting_go_measures_exactly(qtbot, open_
 
 def test_what_is_exported_is_never_a_draft(qtbot, open_lab, document, tmp_path, monkeypatch):
     monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
-    slider = open_lab.knobs.fdf.slider
+    slider = open_lab.knobs.paper.fdf.slider
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=handle(slider))
     QTest.mouseMove(slider, handle(slider, 25))
     settled(qtbot, open_lab)
@@ -141,7 +141,7 @@ def test_what_is_exported_is_never_a_draft(qtbot, open_lab, document, tmp_path, 
 
 @pytest.mark.parametrize("knob", ["fdf", "bits", "segment"])
 def test_a_drag_is_one_step_of_undo_and_undo_brings_the_slider_back(open_lab, document, knob):
-    slider, spin = getattr(open_lab.knobs, knob).slider, getattr(open_lab.knobs, knob).spin
+    slider, spin = getattr(open_lab.knobs.paper, knob).slider, getattr(open_lab.knobs.paper, knob).spin
     places, numbers, history = [slider.value()], [spin.value()], len(document.history)
     for place in (slider.maximum() // 2, slider.maximum() // 3):
         list(drag(slider, place))
@@ -201,7 +201,7 @@ def test_the_bar_accounts_for_every_byte_of_the_file(open_lab):
     parts = [part for part, _ in open_lab.sides[Side.B].breakdown.bar.rectangles()]
     assert sum(part.n_bytes for part in parts) == len(open_lab.report.data)
     payload = [part for part in parts if not part.around]
-    assert sum(part.n_bytes for part in payload) == open_lab.report.size.bytes
+    assert sum(part.n_bytes for part in payload) == open_lab.report.size.payload.bytes
     areas = [area for part, area in open_lab.sides[Side.B].breakdown.bar.rectangles()]
     assert all(a.right() <= b.left() + 1e-6 for a, b in itertools.pairwise(areas))
     assert areas[-1].right() <= open_lab.sides[Side.B].breakdown.bar.width() + 1e-6
@@ -217,15 +217,15 @@ def test_the_bar_is_painted_in_the_colours_of_its_legend(open_lab):
 
 
 def test_the_exact_columns_are_named(open_lab, document):
-    assert open_lab.knobs.fdf.meaning.text() == "exact: root"
+    assert open_lab.knobs.paper.fdf.meaning.text() == "exact: root"
     document.execute(SetCodecSettings(paper(fdf=8)))
-    assert open_lab.knobs.fdf.meaning.text() == "exact: root, lowerback rx ry"
+    assert open_lab.knobs.paper.fdf.meaning.text() == "exact: root, lowerback rx ry"
     document.execute(SetCodecSettings(paper(fdf=62)))
-    assert open_lab.knobs.fdf.meaning.text() == "exact: all 62 columns"
+    assert open_lab.knobs.paper.fdf.meaning.text() == "exact: all 62 columns"
 
 
 def test_the_spin_box_takes_every_number_and_the_word_for_one_segment(open_lab, document):
-    spin = open_lab.knobs.segment.spin
+    spin = open_lab.knobs.paper.segment.spin
     spin.setFocus()
     spin.selectAll()
     QTest.keyClicks(spin, "37")
@@ -239,7 +239,7 @@ def test_the_spin_box_takes_every_number_and_the_word_for_one_segment(open_lab, 
 
 
 def test_wheel_and_arrows_step_by_one_and_a_burst_is_one_undo(open_lab, document):
-    slider, history = open_lab.knobs.bits.slider, len(document.history)
+    slider, history = open_lab.knobs.paper.bits.slider, len(document.history)
     wheel(slider, 1)
     assert document.state.codec.coding.bits == 9
     wheel(slider, 1)
@@ -250,33 +250,33 @@ def test_wheel_and_arrows_step_by_one_and_a_burst_is_one_undo(open_lab, document
 
 def test_a_double_click_resets_a_knob_and_can_be_undone(open_lab, document):
     document.execute(SetCodecSettings(paper(fdf=20, bits=12)))
-    QTest.mouseDClick(open_lab.knobs.fdf.slider, Qt.MouseButton.LeftButton)
+    QTest.mouseDClick(open_lab.knobs.paper.fdf.slider, Qt.MouseButton.LeftButton)
     assert document.state.codec == paper(bits=12)
-    QTest.mouseDClick(open_lab.knobs.bits.label, Qt.MouseButton.LeftButton)
+    QTest.mouseDClick(open_lab.knobs.paper.bits.label, Qt.MouseButton.LeftButton)
     assert document.state.codec == paper()
     document.undo()
-    assert open_lab.knobs.bits.value == 12
+    assert open_lab.knobs.paper.bits.value == 12
 
 
 def test_the_papers_constants_are_shown_for_the_papers_encoder_only(qtbot, open_lab, document):
-    assert not open_lab.knobs.paper.isVisible()
-    open_lab.knobs.encoder.button(str(Encoder.PAPER)).click()
-    assert open_lab.knobs.paper.isVisible()
-    open_lab.knobs.k.setValue(2)
+    assert not open_lab.knobs.paper.constants.isVisible()
+    open_lab.knobs.paper.encoder.button(str(Encoder.PAPER)).click()
+    assert open_lab.knobs.paper.constants.isVisible()
+    open_lab.knobs.paper.k.setValue(2)
     assert document.state.codec.coding.encoder is Encoder.PAPER
     assert document.state.codec.coding.k == 2.0
     settled(qtbot, open_lab)
     assert open_lab.report.settings.coding.k == 2.0
-    open_lab.knobs.k.stepBy(100)
+    open_lab.knobs.paper.k.stepBy(100)
     assert document.state.codec.coding.k == np.inf
-    assert open_lab.knobs.k.text() == "∞"
+    assert open_lab.knobs.paper.k.text() == "∞"
 
 
 def test_settings_too_large_for_a_clip_are_fitted_and_kept_for_the_next(qtbot, lab, document):
     document.execute(SetCodecSettings(paper(fdf=200, segment=500)))
     document.execute(AddClip(Clip("walk", walker(60))))
     settled(qtbot, lab)
-    assert (lab.knobs.fdf.value, lab.knobs.segment.spin.text()) == (62, "one segment")
+    assert (lab.knobs.paper.fdf.value, lab.knobs.paper.segment.spin.text()) == (62, "one segment")
     assert lab.report.settings == paper(fdf=62)
     assert document.state.codec.coding.fdf == 200
 
@@ -301,7 +301,7 @@ def test_a_new_name_measures_nothing_anew(open_lab, document):
 
 
 def test_new_levels_are_measured(qtbot, open_lab, document):
-    open_lab.knobs.encoder.button(str(Encoder.PAPER)).click()
+    open_lab.knobs.paper.encoder.button(str(Encoder.PAPER)).click()
     settled(qtbot, open_lab)
     before = open_lab.report
     document.execute(SetLevels(1, tuple((c.name, 6) for c in before.decoded.skeleton.columns[:12])))
@@ -348,11 +348,11 @@ def test_it_fits_a_narrow_dock_whatever_the_names(qtbot, lab, document):
     area = lab.findChild(QScrollArea)
     assert area.widget().minimumSizeHint().width() <= DOCK[0] - area.verticalScrollBar().sizeHint().width()
     assert area.widget().width() <= area.viewport().width()
-    assert lab.knobs.fdf.meaning.toolTip() == lab.knobs.fdf.meaning.text() != ""
+    assert lab.knobs.paper.fdf.meaning.toolTip() == lab.knobs.paper.fdf.meaning.text() != ""
 
 
 def test_every_control_has_a_tip_and_a_name(open_lab):
-    knobs, bar = open_lab.knobs, open_lab.export_bar
+    knobs, bar = open_lab.knobs.paper, open_lab.export_bar
     controls = [w for knob in (knobs.fdf, knobs.bits, knobs.segment) for w in (knob.slider, knob.spin)]
     controls += [knobs.k, knobs.rqt, open_lab.sides[Side.B].figures.go, bar.button, bar.more]
     controls += [open_lab.view.choices.button(view) for view in View] + [open_lab.view.heat]

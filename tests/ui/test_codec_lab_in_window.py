@@ -22,7 +22,7 @@ def picture(window):
 
 def test_arrows_step_a_knob_that_has_the_focus_and_frames_otherwise(qtbot, window, open_clip, bvh_file):
     open_clip(window, bvh_file)
-    slider = window.lab.knobs.bits.slider
+    slider = window.lab.knobs.paper.bits.slider
     slider.setFocus()
     QTest.keyClick(slider, Qt.Key.Key_Right)
     assert (window.document.state.codec.coding.bits, window.playhead.index) == (9, 0)

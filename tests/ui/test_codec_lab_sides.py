@@ -160,7 +160,7 @@ def test_side_a_is_the_original_until_it_is_encoded(qtbot, lab_window):
     settled(qtbot, lab_window)
     assert lab.knobs.isVisible()
     assert lab.sides[Side.A].report.settings == document.state.codec_a
-    lab.knobs.bits.slider.setValue(3)
+    lab.knobs.paper.bits.slider.setValue(3)
     assert (document.state.codec_a.coding.bits, document.state.codec.coding.bits) == (11, 8)
     settled(qtbot, lab_window)
     assert a.def_.change.text() != "" != b.def_.change.text()
@@ -187,7 +187,7 @@ def test_an_undo_that_would_take_back_something_else_is_not_offered(lab_window):
     lab = lab_window.lab
     QTest.mouseClick(lab.head.copy, Qt.MouseButton.LeftButton)
     assert lab.note.isVisible()
-    lab.knobs.bits.slider.setValue(2)
+    lab.knobs.paper.bits.slider.setValue(2)
     assert not lab.note.isVisible()
 
 

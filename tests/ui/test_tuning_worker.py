@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QTimer
 
 from qmd_studio.errors import CodecError
-from qmd_studio.tuning import session as session_module
+from qmd_studio.tuning import lab_session as session_module
 from qmd_studio.ui import tuning_worker
 from qmd_studio.ui.tuning_worker import TuningWorker
 from tests.generated_motion import walker
@@ -34,7 +34,7 @@ class Gate:
 
     def __init__(self, monkeypatch):
         self.begun, self.entered, self._let = [], threading.Event(), threading.Semaphore(0)
-        evaluate = session_module.TuningSession.evaluate
+        evaluate = session_module.LabSession.evaluate
 
         def held(session, settings, **how):
             self.begun.append(settings)
@@ -42,7 +42,7 @@ class Gate:
             assert self._let.acquire(timeout=30)
             return evaluate(session, settings, **how)
 
-        monkeypatch.setattr(session_module.TuningSession, "evaluate", held)
+        monkeypatch.setattr(session_module.LabSession, "evaluate", held)
 
     def let(self, count=1000):
         """Let `count` evaluations through."""
@@ -78,8 +78,8 @@ def test_of_many_requests_the_first_and_the_newest_are_begun_and_told_in_this_or
     qtbot.waitUntil(lambda: bool(worker.outcomes), timeout=30_000)  # the window looks between the two
     gate.let()
     settled(qtbot, worker)
-    assert [s.fdf for s in gate.begun] == [0, 59]
-    assert [s.fdf for s in worker.outcomes] == [0, 59]
+    assert [s.coding.fdf for s in gate.begun] == [0, 59]
+    assert [s.coding.fdf for s in worker.outcomes] == [0, 59]
 
 
 def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, gate):
@@ -90,7 +90,7 @@ def test_nothing_is_told_of_a_request_that_was_cancelled(qtbot, worker, motion, 
     gate.let()
     worker.request(motion, paper(fdf=2))
     settled(qtbot, worker)
-    assert [s.fdf for s in worker.outcomes] == [2]
+    assert [s.coding.fdf for s in worker.outcomes] == [2]
 
 
 def test_nothing_is_told_of_a_motion_that_has_been_left(qtbot, worker, motion, gate):
@@ -99,7 +99,7 @@ def test_nothing_is_told_of_a_motion_that_has_been_left(qtbot, worker, motion, g
     worker.request(walker(60, seed=3), paper(fdf=2))
     gate.let()
     settled(qtbot, worker)
-    assert [s.fdf for s in worker.outcomes] == [2]
+    assert [s.coding.fdf for s in worker.outcomes] == [2]
 
 
 def test_a_result_that_comes_after_a_newer_one_is_not_told(qtbot, worker, motion, gate):
@@ -113,7 +113,7 @@ def test_a_result_that_comes_after_a_newer_one_is_not_told(qtbot, worker, motion
     gate.let()
     worker.request(motion, paper(fdf=3))
     settled(qtbot, worker)
-    assert [s.fdf for s in worker.outcomes] == [1, 1, 3]
+    assert [s.coding.fdf for s in worker.outcomes] == [1, 1, 3]
 
 
 def test_the_event_loop_goes_on_while_something_is_measured(qtbot, worker, motion, gate):
@@ -134,7 +134,7 @@ def test_what_was_measured_a_moment_ago_comes_at_once(qtbot, worker, motion):
         settled(qtbot, worker)
     worker.request(motion, paper(fdf=1))
     assert not worker.pending
-    assert [s.fdf for s in worker.outcomes] == [1, 2, 1]
+    assert [s.coding.fdf for s in worker.outcomes] == [1, 2, 1]
 
 
 def test_a_draft_is_not_remembered_and_an_exact_report_serves_for_it(qtbot, worker, motion):
@@ -158,12 +158,12 @@ def test_another_motion_is_measured_for_itself(qtbot, worker, motion):
 
 
 def test_settings_that_cannot_be_encoded_are_told_as_an_error(qtbot, worker, motion):
-    worker.request(motion, paper(fdf=1000))
+    worker.request(motion, paper(bits=1000))
     settled(qtbot, worker)
     assert [type(problem) for problem in worker.problems] == [CodecError]
     worker.request(motion, paper(fdf=4))
     settled(qtbot, worker)
-    assert [s.fdf for s in worker.outcomes] == [4]
+    assert [s.coding.fdf for s in worker.outcomes] == [4]
 
 
 def test_a_mistake_of_the_studio_leaves_nobody_waiting(qtbot, worker, motion, monkeypatch):
@@ -173,7 +173,7 @@ def test_a_mistake_of_the_studio_leaves_nobody_waiting(qtbot, worker, motion, mo
     def broken(session, settings, **how):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(session_module.TuningSession, "evaluate", broken)
+    monkeypatch.setattr(session_module.LabSession, "evaluate", broken)
     worker.request(motion, paper())
     settled(qtbot, worker)
     assert [type(problem) for problem in worker.problems] == [CodecError]
@@ -187,7 +187,7 @@ def test_a_thread_that_has_nothing_to_do_goes_home_and_another_comes(qtbot, work
     qtbot.waitUntil(lambda: not any(t.name == "tuning" for t in threading.enumerate()), timeout=30_000)
     worker.request(motion, paper(fdf=2))
     settled(qtbot, worker)
-    assert [s.fdf for s in worker.outcomes] == [1, 2]
+    assert [s.coding.fdf for s in worker.outcomes] == [1, 2]
 
 
 def test_closing_waits_for_the_thread_and_tells_nothing(qapp, worker, motion, gate):
