@@ -66,6 +66,10 @@ class CodecError(QmdStudioError):
     """A codec was given settings or a motion that it cannot encode."""
 
 
+class Cancelled(QmdStudioError):
+    """Work was told to stop before it had come to anything."""
+
+
 class EditError(QmdStudioError):
     """A command cannot be applied to the open document."""
 

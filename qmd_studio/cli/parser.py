@@ -156,6 +156,27 @@ def _add_tune(verbs: Any) -> None:
         "--grid", choices=("paper", "wide"), help="the paper's own, or all there is; paper, but wide for a target"
     )
     _add_bounds(parser)
+    parser.add_argument(
+        "--every",
+        metavar="LIST",
+        type=wholes("--every", 1, MAX_COUNT),
+        default=(1,),
+        help="also try keeping every K-th frame only, such as 1-4 (1)",
+    )
+    parser.add_argument(
+        "--max-level",
+        metavar="LIST",
+        type=wholes("--max-level", 1, 6),
+        default=(6,),
+        help="also try holding columns of a higher level, such as 4-6 (6)",
+    )
+    parser.add_argument(
+        "--max-loa",
+        metavar="LIST",
+        type=wholes("--max-loa", 0, 3),
+        default=(None,),
+        help="BAP: also try holding the joints that an H-Anim body of LOA A lacks",
+    )
     parser.add_argument("--any-size", action="store_true", help="allow files larger than the raw motion")
     parser.add_argument("--state", metavar="FILE", help="keep what is found here, and go on from what is there")
 

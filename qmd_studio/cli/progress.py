@@ -36,11 +36,7 @@ class ProgressLine:
     def of_search(self, progress: Progress) -> None:
         """Say how far a search is, and its best so far."""
         best = progress.best
-        note = (
-            f"FDF {best.settings.fdf}, b {best.settings.bits}, {best.bytes:,} bytes, DEF {best.def_:.3g}"
-            if best
-            else ""
-        )
+        note = f"FDF {best.paper.fdf}, b {best.paper.bits}, {best.bytes:,} bytes, DEF {best.def_:.3g}" if best else ""
         self.tell(progress.done, progress.total, note)
 
     def close(self) -> None:

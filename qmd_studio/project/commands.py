@@ -10,11 +10,11 @@ from typing import Protocol
 import numpy as np
 
 from qmd_studio.avatar.humanoid import Body
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import EditError
 from qmd_studio.motion.motion import FRAME_RATES
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.state import DocumentState, Side
+from qmd_studio.tuning.encode_settings import EncodeSettings
 
 MAX_FPS = 1000.0
 METRES_PER_UNIT = (1e-6, 1e3)
@@ -96,7 +96,7 @@ class SetCodecSettings:
     `drag` names the slider that is being dragged.
     """
 
-    settings: QmdSettings | None
+    settings: EncodeSettings | None
     drag: str | None = None
     side: Side = Side.B
     label: str = "Codec settings"

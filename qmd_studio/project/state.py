@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import EditError
 from qmd_studio.project.clip import Clip
+from qmd_studio.tuning.encode_settings import EncodeSettings
 
 
 class Side(StrEnum):
@@ -36,8 +36,8 @@ class DocumentState:
 
     clips: tuple[Clip, ...] = ()
     active: int | None = None
-    codec: QmdSettings = field(default_factory=QmdSettings)
-    codec_a: QmdSettings | None = None
+    codec: EncodeSettings = field(default_factory=EncodeSettings)
+    codec_a: EncodeSettings | None = None
     next_key: int = 1
 
     @property
@@ -52,7 +52,7 @@ class DocumentState:
                 return clip
         raise EditError("there is no such clip", at=f"clip {key}", hint="It may have been closed")
 
-    def settings_of(self, side: Side) -> QmdSettings | None:
+    def settings_of(self, side: Side) -> EncodeSettings | None:
         """Return what `side` is encoded with, None where it is the original."""
         return self.codec if side is Side.B else self.codec_a
 

@@ -56,7 +56,7 @@ class Version1:
     def _found(self, target: Target) -> Coding:
         best = meet(self._evaluator, self._grid, target, memory=self._memory).best
         assert best is not None  # the grid holds a setting, and nobody cancels
-        settings, motion, matrix = best.settings, self._motion, self._matrix
+        settings, motion, matrix = best.paper, self._motion, self._matrix
 
         def encode() -> bytes:
             return payload.pack(encode_matrix(matrix, motion.skeleton, settings).payload)

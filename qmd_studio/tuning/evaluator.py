@@ -21,8 +21,12 @@ from qmd_studio.codecs.qmd.units import codec_matrix, column_scales
 from qmd_studio.errors import CodecError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import MAX_LEVEL
+from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.tuning.encoders import FAST_ENCODERS
-from qmd_studio.tuning.session import TuningSession, moves_all
+from qmd_studio.tuning.reduced_session import ReducedSession
+from qmd_studio.tuning.reduction import Reduction
+from qmd_studio.tuning.restorer import Restorer
+from qmd_studio.tuning.session import moves_all
 from qmd_studio.tuning.trial import Evaluator, Trial
 
 _MOST_VALUES_AT_ONCE = 1 << 22
@@ -37,15 +41,16 @@ _ALWAYS_FITS = 1 << 20
 """Motions of fewer values are not worth asking for."""
 
 
-def evaluator_for(motion: Motion, base: QmdSettings) -> Evaluator:
-    """Return the fastest way to try settings of `base`'s encoder on `motion`.
+def evaluator_for(motion: Motion, base: QmdSettings, reduction: Reduction | None = None) -> Evaluator:
+    """Return the fastest way to try settings of `base`'s encoder on what `reduction` leaves of `motion`.
 
-    Raises `CodecError` where the motion cannot be encoded, or has nothing to measure at.
+    Errors are against all of it. Raises `CodecError` where the motion cannot be encoded, or has nothing to measure at.
     """
     if not motion.skeleton.points or not motion.skeleton.n_columns:
         raise CodecError("there is nothing to tune", wanted="a motion with columns and joints to measure at")
     _check_memory(motion)
-    return FastEvaluator(motion, base) if base.encoder in FAST_ENCODERS else SessionEvaluator(motion, base)
+    kind = FastEvaluator if base.encoder in FAST_ENCODERS else SessionEvaluator
+    return kind(motion, base, reduction)
 
 
 def _check_memory(motion: Motion) -> None:
@@ -69,9 +74,11 @@ class SessionEvaluator:
 
     is_fast = False
 
-    def __init__(self, motion: Motion, base: QmdSettings) -> None:
-        self.motion, self.base = motion, base
-        self._session = TuningSession(motion)
+    def __init__(self, motion: Motion, base: QmdSettings, reduction: Reduction | None = None) -> None:
+        reduction = reduction or Reduction()
+        self._session = ReducedSession(motion, reduction)
+        self.original, self.motion = motion, self._session.reduced
+        self.base, self.reduction = base, reduction
         self._turn = threading.Lock()
 
     def size(self, fdf: int, bits: int, segment: int) -> int:
@@ -85,7 +92,8 @@ class SessionEvaluator:
             with self._turn:
                 report = self._session.evaluate(replace(self.base, fdf=fdf, segment=segment, bits=width))
             error = report.error
-            trials.append(Trial(report.settings, report.size.bytes, error.def_, error.mean_mm, error.max_mm))
+            settings = EncodeSettings(report.settings, self.reduction)
+            trials.append(Trial(settings, report.size.bytes, error.def_, error.mean_mm, error.max_mm))
         return trials
 
 
@@ -94,12 +102,12 @@ class FastEvaluator:
 
     is_fast = True
 
-    def __init__(self, motion: Motion, base: QmdSettings) -> None:
-        from qmd_studio.motion.departure import Departure  # compiled code, loaded where it is first needed
-        from qmd_studio.motion.fast_kinematics import columns_first
-        from qmd_studio.tuning import encode_kernels
+    def __init__(self, motion: Motion, base: QmdSettings, reduction: Reduction | None = None) -> None:
+        from qmd_studio.tuning import encode_kernels  # compiled code, loaded where it is first needed
 
-        self.motion, self.base = motion, base
+        self.original, self.base, self.reduction = motion, base, reduction or Reduction()
+        motion = self.reduction.reduce(motion)
+        self.motion = motion
         self._kernels = encode_kernels
         self._is_paper = base.encoder is Encoder.PAPER
         self._matrix = codec_matrix(motion)
@@ -110,8 +118,7 @@ class FastEvaluator:
         exact = np.empty(self._matrix.T.shape, np.float32)
         encode_kernels.exact_columns(np.ascontiguousarray(self._matrix.T), not self._is_paper, exact)
         self._exact = (exact - origin[:, np.newaxis]) * self._units[1][:, np.newaxis]
-        original = columns_first(motion.X - origin.astype(np.float64) * scales)
-        self._departure = Departure(motion.skeleton, original, self._exact)
+        self._measure_by(origin)
         self._prepare()
         self._ordered = lru_cache(maxsize=_SEGMENTATIONS_KEPT)(self._make_ordered)
 
@@ -133,10 +140,29 @@ class FastEvaluator:
             some = settings[start : start + at_once]
             decoded = self._paths(fdf, rows_each, np.array([s.bits for s in some], dtype=np.int64))
             for one, matrix in zip(some, decoded, strict=True):
-                away = self._departure.measured(matrix, fdf)
+                if self._restorer is None:
+                    away = self._departure.measured(matrix, fdf)
+                else:
+                    away = self._departure.measured(self._restorer.restored(matrix), 0)
                 size = self.size(one.fdf, one.bits, one.segment)
-                trials.append(Trial(one, size, away.def_, away.mean_mm, away.max_mm))
+                trials.append(Trial(EncodeSettings(one, self.reduction), size, away.def_, away.mean_mm, away.max_mm))
         return trials
+
+    def _measure_by(self, origin: Float32Array) -> None:
+        """Make ready what measures decodings, which start from `origin` (n_columns,) in ASF units."""
+        from qmd_studio.motion.departure import Departure  # compiled code
+        from qmd_studio.motion.fast_kinematics import columns_first
+
+        original, skeleton = self.original, self.original.skeleton
+        moved = np.zeros(skeleton.n_columns)
+        moved[self.reduction.kept_columns(skeleton)] = origin.astype(np.float64) * column_scales(self.motion.skeleton)
+        values = columns_first(original.X - moved)
+        self._restorer: Restorer | None = None
+        if self.reduction == Reduction():
+            self._departure = Departure(skeleton, values, self._exact)
+        else:
+            self._departure = Departure(skeleton, values, values)
+            self._restorer = Restorer(original, self.reduction, values[:, 0].copy())
 
     def _prepare(self) -> None:
         """Sort what the encoder's tables are made from, once for all settings."""

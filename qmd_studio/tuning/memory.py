@@ -7,21 +7,22 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from qmd_studio import storage
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import FormatError
-from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton_json import json_text, skeleton_to_json
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reduction import Reduction
 from qmd_studio.tuning.trial import Evaluator, Trial
 
 _SAVE_EVERY_S = 2.0
 _VERSION = 1
+_REDUCTION = "reduction"
 
 
 class Memory:
@@ -34,9 +35,9 @@ class Memory:
     def __init__(
         self, evaluator: Evaluator, path: Path | None = None, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self._base = evaluator.base
+        self._base, self._reduction = evaluator.base, evaluator.reduction
         self._path, self._clock = path, clock
-        self._about = {"version": _VERSION, **_identity(evaluator.motion, evaluator.base)}
+        self._about = {"version": _VERSION, **_identity(evaluator)}
         self._trials: dict[tuple[int, int, int], Trial] = {}
         self._saved_at = clock()
         if path is not None and path.exists():
@@ -49,7 +50,7 @@ class Memory:
     def add(self, trials: list[Trial]) -> None:
         """Remember `trials`, and save every other second or so."""
         for trial in trials:
-            settings = trial.settings
+            settings = trial.paper
             self._trials[settings.fdf, settings.bits, settings.segment] = trial
         if self._clock() - self._saved_at > _SAVE_EVERY_S:
             self.save()
@@ -65,7 +66,8 @@ class Memory:
     def _load(self, path: Path) -> None:
         try:
             contents = json.loads(storage.read_bytes(path))
-            about = {key: contents[key] for key in self._about}
+            about = {key: contents[key] for key in self._about if key != _REDUCTION}
+            about[_REDUCTION] = contents.get(_REDUCTION)  # files of before there were reductions do not say
             rows = [_checked(row) for row in contents["trials"]]
         except (ValueError, KeyError, TypeError) as problem:
             raise FormatError(
@@ -82,7 +84,7 @@ class Memory:
             )
         for fdf, bits, segment, size, *error in rows:
             settings = replace(self._base, fdf=fdf, bits=bits, segment=segment)
-            self._trials[fdf, bits, segment] = Trial(settings, size, *error)
+            self._trials[fdf, bits, segment] = Trial(EncodeSettings(settings, self._reduction), size, *error)
 
 
 def _checked(row: Any) -> tuple[int, int, int, int, float, float, float]:
@@ -92,8 +94,11 @@ def _checked(row: Any) -> tuple[int, int, int, int, float, float, float]:
     return fdf, bits, segment, size, float(def_), float(mean_mm), float(max_mm)
 
 
-def _identity(motion: Motion, base: QmdSettings) -> dict[str, Any]:
+def _identity(evaluator: Evaluator) -> dict[str, Any]:
+    motion, base = evaluator.original, evaluator.base
     digest = hashlib.sha256(np.ascontiguousarray(motion.X).tobytes())
     digest.update(json_text(skeleton_to_json(motion.skeleton)).encode())
     k = "inf" if math.isinf(base.k) else base.k
-    return {"motion": digest.hexdigest(), "encoder": str(base.encoder), "k": k, "rqt": base.rqt}
+    reduction = None if evaluator.reduction == Reduction() else list(astuple(evaluator.reduction))
+    about = {"motion": digest.hexdigest(), "encoder": str(base.encoder), "k": k, "rqt": base.rqt}
+    return about | {_REDUCTION: reduction}

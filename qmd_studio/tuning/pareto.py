@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from qmd_studio.tuning.grid import Column, Grid
 from qmd_studio.tuning.running import run_columns
@@ -60,18 +60,26 @@ class Front:
 def fronts(
     runs: Sequence[tuple[Evaluator, Grid]],
     *,
+    others: tuple[int, Iterable[Trial | None]] = (0, ()),
     measure: Measure = by_def,
     cancel: Cancel | None = None,
     n_threads: int | None = None,
 ) -> Iterator[Front]:
     """Yield the front of several encoders on one motion as it fills in, after each few settings; the last is whole.
 
-    Settings far apart are tried first, so that an early front has the final shape. `cancel` ends it early.
+    `others` says how many trials come from elsewhere, and yields them (None: one that came to nothing). Settings far
+    apart are tried first, so that an early front has the final shape. `cancel` ends it early.
     """
     cancel = cancel or Never()
     plans = [(evaluator, _spread(list(grid.columns(evaluator.motion)))) for evaluator, grid in runs]
-    total = sum(len(column.bits) for _, columns in plans for column in columns)
+    n_others, trials_from_elsewhere = others
+    total = sum(len(column.bits) for _, columns in plans for column in columns) + n_others
     front = Front(measure=measure, total=total)
+    for trial in trials_from_elsewhere:
+        front = front.with_trials([trial]) if trial else replace(front, done=front.done + 1)
+        yield front
+        if cancel.is_set():
+            return
     for evaluator, columns in plans:
         for trials in run_columns(evaluator, columns, cancel=cancel, n_threads=n_threads):
             front = front.with_trials(trials)

@@ -48,10 +48,17 @@ class Reduction:
         if self.max_loa is not None:
             kept &= _within_loa(skeleton, self.max_loa)
         turning = {c.joint for c, k in zip(skeleton.columns, kept, strict=True) if k and c.kind is ColumnKind.ROTATION}
-        kept |= [c.kind is ColumnKind.ROTATION and c.joint in turning for c in skeleton.columns]
-        if not kept.any():
+        together = [c.kind is ColumnKind.ROTATION and c.joint in turning for c in skeleton.columns]
+        kept |= np.array(together, dtype=np.bool_)
+        if not kept.any() and self != Reduction():
             raise CodecError("no column would be left", hint="Keep higher levels")
         return kept
+
+    def n_columns(self, skeleton: Skeleton) -> int:
+        """Return how many columns are left; raises as `kept_columns` does."""
+        if self.max_level == MAX_LEVEL and self.max_loa is None:
+            return skeleton.n_columns
+        return int(self.kept_columns(skeleton).sum())
 
     def n_rows(self, n_frames: int) -> int:
         """Return the rows of differences (the paper's n) that are left of `n_frames` frames."""
@@ -59,6 +66,8 @@ class Reduction:
 
     def reduce(self, motion: Motion) -> Motion:
         """Return the reduced motion; raises `CodecError` where no column is left, `FormatError` for too low a rate."""
+        if self == Reduction():
+            return motion
         kept = self.kept_columns(motion.skeleton)
         frames = slice(None, None, self.fps_divisor)
         mask = None if motion.mask is None else motion.mask[frames][:, kept]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
 
 _SHORT = (1, 2, 3, 5, 8, 10, 15, 20)
 _STEP = 30
@@ -23,8 +24,8 @@ def segment_stops(n_rows: int) -> tuple[int, ...]:
     return (*stops, max(n_rows, 1))
 
 
-def nearest_stop(stops: tuple[int, ...], rows: int) -> int:
-    """Return the index of the stop nearest to `rows`."""
+def nearest_stop(stops: Sequence[float], rows: float) -> int:
+    """Return the index of the stop nearest to `rows`, of stops in any unit."""
     place = bisect_left(stops, rows)
     if place == 0:
         return 0

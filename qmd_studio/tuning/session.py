@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from functools import cached_property
+from threading import Event
 
 import numpy as np
 
-from qmd_studio.arrays import BoolArray, Float32Array
+from qmd_studio.arrays import BoolArray, Float32Array, FloatArray
 from qmd_studio.codecs.qmd import container, payload
 from qmd_studio.codecs.qmd.decode import decode_payload
 from qmd_studio.codecs.qmd.encode import encode_matrix, size_of
@@ -51,16 +52,18 @@ class TuningSession:
         """Return the size of the whole file that `settings` give, by formula."""
         return container.HEADER.size + self.size(settings).bytes + len(self._block)
 
-    def evaluate(self, settings: QmdSettings, *, draft: bool = False) -> EncodeReport:
+    def evaluate(self, settings: QmdSettings, *, draft: bool = False, cancel: Event | None = None) -> EncodeReport:
         """Encode, decode and measure; raises `CodecError` for bad settings and for a bound that cannot be met.
+
+        The bounded encoder raises `Cancelled` soon after `cancel` is set; the others are done before anyone would.
 
         A `draft` takes less time, for a slider that is being dragged: same size, a little more error. It is as true of
         its own bytes as any report; but what is exported is not to be a draft.
         """
         started = time.perf_counter()
         settings = self._checked(settings)
-        encoded = encode_matrix(self._matrix, self.motion.skeleton, settings, draft=draft)
-        error = self._measured(encoded.decoded)
+        encoded = encode_matrix(self._matrix, self.motion.skeleton, settings, draft=draft, cancel=cancel)
+        error = self.measured(encoded.decoded)
         contents = encoded.payload
         return EncodeReport(
             settings=settings,
@@ -84,14 +87,24 @@ class TuningSession:
         origin = self._origin.astype(np.float64) * column_scales(self.motion.skeleton)
         return point_positions_32(self.motion.skeleton, columns_first(self.motion.X - origin))
 
-    def _measured(self, decoded: Float32Array) -> MotionError:
+    def measured(self, decoded: Float32Array) -> MotionError:
         """Measure `decoded` (n_columns, n_frames), radians and ASF units, against the original."""
-        from qmd_studio.motion.fast_kinematics import point_positions_32  # compiled code, loaded where it is needed
-        from qmd_studio.motion.fast_metrics import measure_positions
-
         metres = decoded.copy()
         metres[self._lengths] -= self._origin[self._lengths, np.newaxis]
         metres[self._lengths] *= np.float32(ASF_UNIT_M)
+        return self._against_original(metres)
+
+    def measured_poses(self, X: FloatArray) -> MotionError:
+        """Measure `X` (n_frames, n_columns), radians and metres, against the original."""
+        from qmd_studio.motion.fast_kinematics import columns_first  # compiled code, loaded where it is needed
+
+        return self._against_original(columns_first(X - self._origin * column_scales(self.motion.skeleton)))
+
+    def _against_original(self, metres: Float32Array) -> MotionError:
+        """Measure (n_columns, n_frames) radians and metres from the first pose's place on."""
+        from qmd_studio.motion.fast_kinematics import point_positions_32
+        from qmd_studio.motion.fast_metrics import measure_positions
+
         positions = point_positions_32(self.motion.skeleton, metres)
         return measure_positions(self.motion.skeleton, self._positions, positions, fps=self.motion.fps)
 

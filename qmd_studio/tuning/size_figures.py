@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from qmd_studio.codecs.qmd.container import HEADER
@@ -10,19 +10,23 @@ from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.codecs.qmd.size import SizeBreakdown, n_segments, payload_size
 from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
 from qmd_studio.motion.motion import Motion
+from qmd_studio.tuning.compact_size import CompactBreakdown
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reduction import Reduction
 
 _FLOAT_BYTES = 4
 
 
 @dataclass(frozen=True, slots=True)
 class SizeFigures:
-    """The size of an encoding, known before anything is encoded.
+    """The size of an encoding; of the paper's format it is known before anything is encoded.
 
     `payload` is the paper's file; `frame_bytes` stand before it (magic, checksum, provenance), `skeleton_bytes` after
-    it. `raw_bytes` is the motion matrix as float32, the paper's "original". `n_segments` is the paper's L.
+    it. `raw_bytes` is the motion matrix as float32, the paper's "original", all of it even where less is encoded.
+    `n_segments` is the paper's L.
     """
 
-    payload: SizeBreakdown
+    payload: SizeBreakdown | CompactBreakdown
     frame_bytes: int
     skeleton_bytes: int
     raw_bytes: int
@@ -59,19 +63,38 @@ def raw_figures(motion: Motion) -> RawFigures:
     return RawFigures(raw_bytes, raw_bytes * 8 / 1000 / motion.duration_s)
 
 
-def size_figures(motion: Motion, settings: QmdSettings) -> SizeFigures:
-    """Return the figures of `settings` (checked for this motion) from the closed form."""
-    n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns
+def size_figures(motion: Motion, settings: QmdSettings, reduction: Reduction | None = None) -> SizeFigures:
+    """Return the figures of `settings` (checked for the reduced `motion`) from the closed form."""
+    reduction = reduction or Reduction()
+    n_rows, n_columns = reduction.n_rows(motion.n_frames), reduction.n_columns(motion.skeleton)
+    payload = payload_size(n_rows, n_columns, settings.fdf, settings.bits, settings.segment)
+    return figures_of(motion, reduction, payload, n_segments(n_rows, settings.segment))
+
+
+def known_figures(motion: Motion, settings: EncodeSettings) -> SizeFigures | None:
+    """Return the figures of `settings` (fitted to `motion`), None where only encoding will tell."""
+    if settings.paper is None or not settings.size_is_known:
+        return None
+    return size_figures(motion, settings.paper, settings.reduction)
+
+
+def figures_of(
+    motion: Motion, reduction: Reduction, payload: SizeBreakdown | CompactBreakdown, segments: int
+) -> SizeFigures:
+    """Return the figures of a `payload` of so many `segments` that the reduced `motion` was encoded to."""
     return SizeFigures(
-        payload=payload_size(n_rows, n_columns, settings.fdf, settings.bits, settings.segment),
+        payload=payload,
         frame_bytes=HEADER.size,
-        skeleton_bytes=_skeleton_bytes(motion),
-        raw_bytes=motion.n_frames * n_columns * _FLOAT_BYTES,
+        skeleton_bytes=_skeleton_bytes(motion, reduction),
+        raw_bytes=motion.X.size * _FLOAT_BYTES,
         duration_s=motion.duration_s,
-        n_segments=n_segments(n_rows, settings.segment),
+        n_segments=segments,
     )
 
 
-@lru_cache(maxsize=8)
-def _skeleton_bytes(motion: Motion) -> int:
-    return len(pack_skeleton_block(motion))  # the same for all settings: a slider must not pay for it on every tick
+@lru_cache(maxsize=16)
+def _skeleton_bytes(motion: Motion, reduction: Reduction) -> int:
+    """Return the bytes of the block, the same for all settings: a slider must not pay for it on every tick."""
+    if motion.mask is None:  # then one frame says all that the block holds
+        motion, reduction = replace(motion, X=motion.X[:1]), replace(reduction, fps_divisor=1)
+    return len(pack_skeleton_block(reduction.reduce(motion)))

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from qmd_studio.codecs.qmd.size import payload_size
 from qmd_studio.motion.motion import Motion
 from qmd_studio.tuning.grid import Column
+from qmd_studio.tuning.reduction import Reduction
 from qmd_studio.tuning.running import run_columns
 from qmd_studio.tuning.trial import Cancel, Evaluator, Trial
 
@@ -19,9 +20,10 @@ _LEAST_DEF = 1e-5
 """Smaller errors are drawn as this one: the last columns' would squeeze all others together."""
 
 
-def size_lines(motion: Motion, segment: int) -> dict[int, list[float]]:
-    """Return for each b the payload in KB (of 1024 bytes) at FDF 0, 1, … to the number of columns."""
-    n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns
+def size_lines(motion: Motion, segment: int, reduction: Reduction | None = None) -> dict[int, list[float]]:
+    """Return for each b the payload in KB (of 1024 bytes) at FDF 0, 1, … to the number of columns that are left."""
+    reduction = reduction or Reduction()
+    n_rows, n_columns = reduction.n_rows(motion.n_frames), reduction.n_columns(motion.skeleton)
     return {
         bits: [payload_size(n_rows, n_columns, fdf, bits, segment).bytes / _KB for fdf in range(n_columns + 1)]
         for bits in FIGURE_BITS
@@ -53,8 +55,8 @@ def coarse_first(n_columns: int) -> list[int]:
 def def_lines(trials: Sequence[Trial]) -> dict[int, list[tuple[float, float]]]:
     """Return for each b the points (FDF, DEF) tried so far, FDF ascending, DEF held above what can be drawn."""
     lines: dict[int, list[tuple[float, float]]] = {bits: [] for bits in FIGURE_BITS}
-    for trial in sorted(trials, key=lambda t: t.settings.fdf):
-        lines[trial.settings.bits].append((float(trial.settings.fdf), drawn_def(trial.def_)))
+    for trial in sorted(trials, key=lambda t: t.paper.fdf):
+        lines[trial.paper.bits].append((float(trial.paper.fdf), drawn_def(trial.def_)))
     return lines
 
 

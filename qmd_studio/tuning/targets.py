@@ -104,10 +104,10 @@ def meet(
     `thorough` tries every setting, which is also the default where that takes a second or two. Otherwise each b and n_d
     is looked at where sizes, known beforehand, still leave a hope: error mostly falls as FDF rises.
     """
-    rank = target.rank(evaluator.motion)
+    rank = target.rank(evaluator.original)
     lattice = Lattice(grid, evaluator)
     n_points = len(lattice.points)
-    quick = evaluator.is_fast and n_points * evaluator.motion.X.size < _QUICK
+    quick = evaluator.is_fast and n_points * evaluator.original.X.size < _QUICK
     if thorough or n_points == 0 or (thorough is None and quick):  # or a grid without settings
         return exhaustive(evaluator, grid, on_progress=on_progress, cancel=cancel, memory=memory, rank=rank)
     with Attempts(evaluator, rank, budget=n_points, on_progress=on_progress, cancel=cancel, memory=memory) as attempts:
@@ -119,7 +119,7 @@ def meet(
 
 def _least_error(attempts: Attempts, lattice: Lattice, evaluator: Evaluator, target: Target) -> None:
     """Try for each b and n_d the largest FDF within the bound; where there is none at all, the smallest file."""
-    largest = target.largest_bytes(evaluator.motion)
+    largest = target.largest_bytes(evaluator.original)
     sizes = _sizes(lattice, evaluator)
     ends = [max((p for p in line if sizes[p] <= largest), default=None) for line in _lines(lattice)]
     within = [point for point in ends if point]
@@ -158,13 +158,13 @@ def _halve(attempts: Attempts, line: list[Point], evaluator: Evaluator, target: 
 
 def _is_met(attempts: Attempts, evaluator: Evaluator, target: Target) -> bool:
     best = attempts.best
-    return best is not None and target.met_by(best, evaluator.motion)
+    return best is not None and target.met_by(best, evaluator.original)
 
 
 def _meets(attempts: Attempts, point: Point, evaluator: Evaluator, target: Target) -> bool:
     attempts.try_all([point])
     trial = attempts.trials.get(point)
-    return trial is not None and target.met_by(trial, evaluator.motion)
+    return trial is not None and target.met_by(trial, evaluator.original)
 
 
 def _lines(lattice: Lattice) -> Iterator[list[Point]]:

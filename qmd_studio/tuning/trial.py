@@ -7,13 +7,18 @@ from typing import Protocol
 
 from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.motion.motion import Motion
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reduction import Reduction
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """`settings`, the payload's `bytes`, and the error: DEF in ASF length units, mean and worst distance in mm."""
+    """`settings`, the payload's `bytes`, and the error: DEF in ASF length units, mean and worst distance in mm.
 
-    settings: QmdSettings
+    The error is against all of the original, also where the settings leave something out.
+    """
+
+    settings: EncodeSettings
     bytes: int
     def_: float
     mean_mm: float
@@ -24,9 +29,16 @@ class Trial:
         """The paper's figure of merit, bytes times DEF (equation 5): the smaller the better."""
         return self.bytes * self.def_
 
+    @property
+    def paper(self) -> QmdSettings:
+        """The settings of the paper's format, which all have that come from a grid; raises `TypeError` for others."""
+        if self.settings.paper is None:
+            raise TypeError("the trial is of the compact profile")
+        return self.settings.paper
+
     def as_json(self) -> dict[str, float | int | str]:
-        """Return the figures under the names that the command line prints."""
-        settings = self.settings
+        """Return the figures of a trial from a grid under the names that the command line prints."""
+        settings = self.paper
         return {
             "encoder": str(settings.encoder),
             "fdf": settings.fdf,
@@ -61,7 +73,17 @@ class Evaluator(Protocol):
 
     @property
     def motion(self) -> Motion:
-        """The motion that is tried."""
+        """The motion that is encoded: what the reduction leaves of the original."""
+        ...
+
+    @property
+    def original(self) -> Motion:
+        """The motion that errors are measured against."""
+        ...
+
+    @property
+    def reduction(self) -> Reduction:
+        """What is left out of every trial."""
         ...
 
     @property

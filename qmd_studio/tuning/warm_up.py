@@ -12,19 +12,23 @@ from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.fast_kinematics import world_from_joint_fast
 from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.motion.motion import Motion
-from qmd_studio.tuning.session import TuningSession
+from qmd_studio.tuning.encode_settings import COMPACT_DEFAULT, EncodeSettings
+from qmd_studio.tuning.lab_session import LabSession
 
 
 def warm_up(n_frames: int = 400) -> None:
-    """Encode, decode and measure a small motion with every encoder of the lab."""
+    """Encode, decode and measure a small motion with every profile and encoder of the lab."""
     skeleton = bap_skeleton()
     steps = np.random.default_rng(0).normal(scale=1e-3, size=(n_frames, skeleton.n_columns))
     motion = Motion(skeleton, rest_values(skeleton) + np.cumsum(steps, axis=0), 30.0)
     world_from_joint_fast(skeleton, motion.X[:1])
-    session = TuningSession(motion)
-    for encoder in (Encoder.PAPER, Encoder.PLAIN, Encoder.CLOSED):
+    session = LabSession(motion)
+    codings = [QmdSettings(encoder=encoder) for encoder in (Encoder.PAPER, Encoder.PLAIN, Encoder.CLOSED)]
+    each: list[EncodeSettings] = [*map(EncodeSettings, codings), EncodeSettings(COMPACT_DEFAULT)]
+    for settings in each:  # the bounded encoder has no code of its own that is compiled
         for draft in (True, False):
-            session.evaluate(QmdSettings(encoder=encoder), draft=draft).decoded  # noqa: B018  made when asked for
+            report = session.evaluate(settings, draft=draft)
+            _ = report.played, report.budget  # made when asked for
 
 
 if __name__ == "__main__":

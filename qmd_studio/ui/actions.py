@@ -107,6 +107,8 @@ VERBS: tuple[Verb, ...] = (
     Verb("encoder_closed", "&Closed loop", "encoder", 1, "The indices of a frame together put the joints where they were", (), "", _C, True, "encoder"),
     Verb("encoder_plain", "P&lain loop", "encoder", 1, "Each index makes up for its own column's error so far", (), "", _C, True, "encoder"),
     Verb("encoder_paper", "&Paper", "encoder", 1, "Each index as the paper chooses it: errors add up", (), "", _C, True, "encoder"),
+    Verb("encoder_bounded", "&Bounded", "encoder", 1, "Every joint within a distance, in the fewest bytes that do", (), "", _C, True, "encoder"),
+    Verb("encoder_compact", "Co&mpact profile", "encoder", 2, "Version 2 of the format: made for an error, several times smaller", (), "", _C, True, "encoder"),
     Verb("column_levels", "Column &levels…", "compress", 3, "Read and edit the level of each column, which the paper's encoder goes by", (), "", _C),
     Verb("help", "&Contents", "help", 1, "How the studio is used, and the QMD format byte by byte", ("F1",), "help"),
     Verb("shortcuts", "&Keyboard shortcuts", "help", 1, "All keys in one list", ("Ctrl+/",)),

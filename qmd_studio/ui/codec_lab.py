@@ -6,21 +6,24 @@ from threading import Event
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
-from qmd_studio.errors import CodecError, QmdStudioError
+from qmd_studio.errors import QmdStudioError
 from qmd_studio.motion.metrics import MotionError, measure
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.commands import CopySettings, SetCodecSettings
 from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import DocumentState, Side
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reachable import allowance_mm, reachable_mm
 from qmd_studio.ui.background import Background, Tell, Work
+from qmd_studio.ui.codec_lab_budget import BudgetPanel
 from qmd_studio.ui.codec_lab_export import AskPath, ExportBar
 from qmd_studio.ui.codec_lab_head import SideHead
 from qmd_studio.ui.codec_lab_knobs import Knobs
+from qmd_studio.ui.codec_lab_pages import empty_page, line
 from qmd_studio.ui.codec_lab_plots import PlotPanel
 from qmd_studio.ui.codec_lab_side import SideMeter
 from qmd_studio.ui.codec_lab_views import ViewBar
@@ -31,15 +34,15 @@ from qmd_studio.ui.side_words import side_words
 from qmd_studio.ui.target_dialog import target_dialog
 
 if TYPE_CHECKING:
+    from qmd_studio.tuning.lab_report import LabReport
     from qmd_studio.tuning.outcome import Outcome
-    from qmd_studio.tuning.report import EncodeReport
 
 
 class CodecLab(QWidget):
     """The contents of the codec lab dock. It reads the document, changes it by commands, and measures on its own.
 
     `view_chosen` carries a `View`, `heat_toggled` whether the error is painted on the body. `side_measured` carries a
-    `Side` and its `EncodeReport`, `side_cleared` the side that has none any more; `difference_measured` carries the
+    `Side` and its `LabReport`, `side_cleared` the side that has none any more; `difference_measured` carries the
     `MotionError` of B against A, `difference_cleared` says that it is not known. `sides_named` carries what A and B
     are. `reopen_wanted` carries the path of an exported file that the user wants to open.
     """
@@ -71,15 +74,15 @@ class CodecLab(QWidget):
         self.difference, self.optimum = Background("difference", self), Background("optimum", self)
         self.problem, self.export_bar = Notice(self), ExportBar(ask_path, self)
         self.note = Notice(self)
-        self.view, self.plots = ViewBar(self), PlotPanel(self)
+        self.view, self.plots, self.budget = ViewBar(self), PlotPanel(self), BudgetPanel(self)
         self._pages = QStackedLayout(self)
-        self._pages.addWidget(self._empty_page())
+        self._pages.addWidget(empty_page(self))
         self._pages.addWidget(self._work_page())
         self._connect()
         self._show(document.state)
 
     @property
-    def report(self) -> EncodeReport | None:
+    def report(self) -> LabReport | None:
         """What is known of side B, the one that is exported."""
         return self.sides[Side.B].report
 
@@ -136,14 +139,17 @@ class CodecLab(QWidget):
         self.export_bar.show_clip(clip)
         changed = [self._show_side(clip, side, state.settings_of(side)) for side in Side]
         self._show_head(state, self.head.side)
+        self._show_budget()
         if any(changed):
             self._compare()
 
-    def _show_side(self, clip: Clip, side: Side, settings: QmdSettings | None) -> bool:
+    def _show_side(self, clip: Clip, side: Side, settings: EncodeSettings | None) -> bool:
         meter = self.sides[side]
         changed = meter.show_settings(clip, settings, draft=self.knobs.held)
-        if changed and side is Side.B:
-            self.export_bar.forget_report()
+        if changed:
+            self.problem.clear()
+            if side is Side.B:
+                self.export_bar.forget_report()
         return changed
 
     def _show_head(self, state: DocumentState, side: Side) -> None:
@@ -155,20 +161,36 @@ class CodecLab(QWidget):
         self.knobs.setVisible(settings is not None)
         if settings is not None and self._clip is not None:
             self.knobs.show_settings(self._clip.motion, settings)
+            if self.sides[side].worker.pending:
+                self.knobs.show_looking()
+            else:
+                self._tell_knobs()
         self.name_sides()
 
     def _mark_plots(self) -> None:
         self.plots.show_marks({side: (meter.settings, meter.report) for side, meter in self.sides.items()})
 
-    def _measured(self, side: Side, report: EncodeReport) -> None:
+    def _tell_knobs(self) -> None:
+        """Say beside the knobs that ask for an error what came of it."""
+        meter = self.sides[self.head.side]
+        if meter.report is not None and meter.up_to_date:
+            self.knobs.show_report(meter.report)
+
+    def _measured(self, side: Side, report: LabReport) -> None:
         self.problem.clear()
         self.side_measured.emit(side, report)
         if side is Side.B and self.sides[side].exact:
             self.export_bar.take_report(report)
         if report.draft and not self.knobs.held:
             self.sides[side].finish()
+        if side is self.head.side:
+            self._tell_knobs()
         self._mark_plots()
+        self._show_budget()
         self._compare()
+
+    def _show_budget(self) -> None:
+        self.budget.show_reports({s: (meter.report, not meter.up_to_date) for s, meter in self.sides.items()})
 
     def _fail_search(self, problem: QmdStudioError) -> None:
         self.note.clear()
@@ -186,10 +208,38 @@ class CodecLab(QWidget):
             self.difference.run(difference_of(a.report, b.report))
 
     def _fail(self, side: Side, problem: QmdStudioError) -> None:
-        title = self.tr("The settings of side {side} could not be measured").format(side=side.upper())
-        self.problem.say_error(title, problem)
+        best = reachable_mm(problem)
+        if best is None:
+            title = self.tr("The settings of side {side} could not be measured").format(side=side.upper())
+            self.problem.say_error(title, problem)
+        else:
+            title = self.tr("Side {side} cannot keep to this: the best is {best:g} mm")
+            allowed = allowance_mm(best)
+            links = ((f"{side}{allowed!r}", self.tr("Allow {mm:g} mm").format(mm=allowed)),)
+            why = f"{problem.message[:1].upper()}{problem.message[1:]}."
+            self.problem.say("warning", title.format(side=side.upper(), best=best), why, links)
+        if side is self.head.side:
+            self.knobs.show_problem(problem)
         if side is Side.B:
             self.export_bar.take_failure()
+
+    def _allow(self, key: str) -> None:
+        """Ask the side named first in `key` for the error that follows, which can be reached."""
+        side, best_mm = Side(key[0]), float(key[1:])
+        settings = self.sides[side].settings
+        if settings is not None:
+            self._document.end_merge()
+            self._document.execute(SetCodecSettings(settings.allowing(best_mm), side=side))
+
+    def _take_stop(self, side: Side) -> None:
+        self.knobs.show_stop()
+        if side is Side.B:
+            self.export_bar.take_failure()
+
+    def _measure_stopped(self) -> None:
+        """Measure side B after all: it is to be exported."""
+        if self.sides[Side.B].waiting.stopped:
+            self.sides[Side.B].measure()
 
     def _finish(self) -> None:
         for meter in self.sides.values():
@@ -197,6 +247,7 @@ class CodecLab(QWidget):
 
     def _clear(self, side: Side) -> None:
         self.side_cleared.emit(side)
+        self._show_budget()
         if side is Side.B:
             self.difference.cancel()
             self.difference_cleared.emit()
@@ -211,18 +262,13 @@ class CodecLab(QWidget):
         self.note.clear()
         self.export_bar.show_clip(None)
 
-    def _change(self, settings: QmdSettings, knob: str) -> None:
+    def _change(self, settings: EncodeSettings, knob: str) -> None:
         self._document.execute(SetCodecSettings(settings, drag=knob, side=self.head.side))
 
-    def _load(self, settings: QmdSettings) -> None:
+    def _load(self, settings: EncodeSettings) -> None:
         """Give the side whose knobs are shown these settings."""
         self._document.end_merge()
-        if self.knobs.encoder.offers(str(settings.encoder)):
-            self._document.execute(SetCodecSettings(settings, side=self.head.side))
-            return
-        hint = self.tr("Encode with it from the command line: qmd encode")
-        problem = CodecError(self.tr("the lab has no such encoder"), got=str(settings.encoder), hint=hint)
-        self.problem.say_error(self.tr("These settings could not be loaded"), problem)
+        self._document.execute(SetCodecSettings(settings, side=self.head.side))
 
     def _find_optimum(self) -> None:
         """Look for what the paper's exhaustive search comes to, and load it."""
@@ -238,14 +284,14 @@ class CodecLab(QWidget):
     def open_target(self) -> None:
         """Ask for a size or an error, and find the settings for it."""
         if self._clip is not None:
-            settings = self.sides[self.head.side].settings or QmdSettings()
+            settings = self.sides[self.head.side].settings or EncodeSettings()
             dialog = target_dialog(self._clip.motion, settings, self)
             dialog.settings_wanted.connect(self._load)
             dialog.open()
 
     def _choose_source(self, encoded: bool) -> None:
         self._document.end_merge()
-        settings = QmdSettings(encoder=Encoder.PAPER) if encoded else None
+        settings = EncodeSettings(QmdSettings(encoder=Encoder.PAPER)) if encoded else None
         self._document.execute(SetCodecSettings(settings, side=Side.A))
 
     def _copy(self, to: Side) -> None:
@@ -274,10 +320,12 @@ class CodecLab(QWidget):
         self.head.source_chosen.connect(self._choose_source)
         self.head.copy_wanted.connect(self._copy)
         self.note.link.connect(self._follow_link)
+        self.problem.link.connect(self._allow)
         for side, meter in self.sides.items():
             meter.measured.connect(lambda report, side=side: self._measured(side, report))
             meter.cleared.connect(lambda side=side: self._clear(side))
             meter.failed.connect(lambda problem, side=side: self._fail(side, problem))
+            meter.stopped.connect(lambda side=side: self._take_stop(side))
             meter.figures.frame_wanted.connect(self._go_to_frame)
         self.head.presets.chosen.connect(self._load)
         self.head.presets.optimum_wanted.connect(self._find_optimum)
@@ -292,26 +340,7 @@ class CodecLab(QWidget):
         self.view.heat_toggled.connect(self.heat_toggled)
         self.knobs.levels_wanted.connect(self.open_levels)
         self.export_bar.reopen_wanted.connect(self.reopen_wanted)
-
-    def _empty_page(self) -> QWidget:
-        page = QWidget(self)
-        page.setObjectName("EmptyLab")
-        title, text = QLabel(self.tr("Nothing to compress yet"), page), QLabel(page)
-        title.setStyleSheet("font-weight: 600;")
-        text.setText(
-            self.tr("Open a BVH, AMC, BAP or QMD file, or drop one on the window. Its size as QMD stands here at once.")
-        )
-        for label in (title, text):
-            label.setWordWrap(True)
-            label.setAlignment(Qt.AlignmentFlag.AlignHCenter)
-        text.setProperty("muted", True)
-        layout = QVBoxLayout(page)
-        layout.setContentsMargins(24, 24, 24, 24)
-        layout.addStretch(1)
-        layout.addWidget(title)
-        layout.addWidget(text)
-        layout.addStretch(2)
-        return page
+        self.export_bar.report_wanted.connect(self._measure_stopped)
 
     def _work_page(self) -> QWidget:
         page = QWidget(self)
@@ -324,7 +353,7 @@ class CodecLab(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self._scrolling_part(page), 1)
-        layout.addWidget(_line(page))
+        layout.addWidget(line(page))
         layout.addLayout(foot)  # the way out is in sight, however low the window
         return page
 
@@ -337,11 +366,12 @@ class CodecLab(QWidget):
         figures.setSpacing(16)
         for side in Side:
             figures.addWidget(self.sides[side].figures, 1)
-        for widget in (self.head, self.note, self.knobs, _line(content)):
+        waiting = [self.sides[side].waiting for side in Side]
+        for widget in (self.head, self.note, self.knobs, *waiting, self.problem, line(content)):
             layout.addWidget(widget)
         layout.addLayout(figures)
         breakdowns = [self.sides[side].breakdown for side in Side]
-        for widget in (self.problem, *breakdowns, _line(content), self.plots):
+        for widget in (*breakdowns, line(content), self.budget, line(content), self.plots):
             layout.addWidget(widget)
         layout.addStretch(1)
         area = QScrollArea(page)
@@ -353,18 +383,10 @@ class CodecLab(QWidget):
         return area
 
 
-def _line(parent: QWidget) -> QFrame:
-    line = QFrame(parent)
-    line.setFixedHeight(1)
-    line.setAutoFillBackground(True)
-    line.setBackgroundRole(QPalette.ColorRole.Mid)
-    return line
-
-
-def difference_of(a: EncodeReport, b: EncodeReport) -> Work:
+def difference_of(a: LabReport, b: LabReport) -> Work:
     """Return the work that measures how far what `b` plays is from what `a` plays."""
 
     def measured(_stop: Event, _tell: Tell) -> MotionError:
-        return measure(a.decoded, b.decoded)
+        return measure(a.played, b.played)
 
     return measured

@@ -18,7 +18,7 @@ from qmd_studio.ui.notice import Notice
 from qmd_studio.ui.quantity import kilobytes
 
 if TYPE_CHECKING:
-    from qmd_studio.tuning.report import EncodeReport
+    from qmd_studio.tuning.lab_report import LabReport
 
 AskPath = Callable[[QWidget, Path], Path | None]
 
@@ -27,17 +27,19 @@ class ExportBar(QWidget):
     """Export QMD and Export QMD as…, and below them what came of it.
 
     The owner hands every report to `take_report`; a click before the report is there is kept and done when it comes.
-    `exported` is emitted with the path that was written, `reopen_wanted` with the path that the user wants to open.
+    `exported` is emitted with the path that was written, `reopen_wanted` with the path that the user wants to open,
+    `report_wanted` asks for the report where the user would not wait for it before.
     """
 
     exported = Signal(object)
     reopen_wanted = Signal(object)
+    report_wanted = Signal()
 
     def __init__(self, ask_path: AskPath | None = None, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._ask_path = ask_path or ask_for_path
         self._clip: Clip | None = None
-        self._report: EncodeReport | None = None
+        self._report: LabReport | None = None
         self._waiting: str | None = None
         self._last: Path | None = None
         self.button = QPushButton(self.tr("Export QMD"), self)
@@ -68,7 +70,7 @@ class ExportBar(QWidget):
         if self._waiting is None:
             self.notice.clear()
 
-    def take_report(self, report: EncodeReport) -> None:
+    def take_report(self, report: LabReport) -> None:
         """Keep the report whose bytes are exported, and do what was asked for while it was measured."""
         self._report = report
         if self._waiting is not None:
@@ -95,6 +97,7 @@ class ExportBar(QWidget):
         if self._report is None:
             self._waiting = way
             self.notice.say("info", self.tr("Exporting when measured…"))
+            self.report_wanted.emit()
         else:
             self._export(way)
 
@@ -107,7 +110,7 @@ class ExportBar(QWidget):
         if report is None or clip is None:
             return
         stem = clip.path.stem if clip.path is not None else clip.name
-        path = self.folder / suggested_name(stem, report.settings, clip.motion.n_frames - 1)
+        path = self.folder / suggested_name(stem, report.settings, clip.motion.n_frames)
         try:
             if way == "ask" or not os.access(path.parent, os.W_OK):
                 named = self._ask_path(self, path)

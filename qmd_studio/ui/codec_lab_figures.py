@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
@@ -14,10 +14,7 @@ from qmd_studio.ui.elided_label import ElidedLabel
 from qmd_studio.ui.quantity import against, exact_bytes, kilobytes, millimetres, significant, tabular
 
 if TYPE_CHECKING:
-    from qmd_studio.tuning.report import EncodeReport
-
-SLOW_MS = 500
-"""Measuring is mentioned only where it takes longer than this: a flicker tells nobody anything."""
+    from qmd_studio.tuning.lab_report import LabReport
 
 _LARGE = 1.7
 _NONE = "–"
@@ -79,14 +76,16 @@ class Figures(QWidget):
         self.mean = Figure(self.tr("Mean error"), self._mean_tip(), self)
         self.worst = Figure(self.tr("Worst error"), self._worst_tip(), self)
         self.go = QPushButton(self.worst)
-        self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
-        self._slow.timeout.connect(self._say_slow)
         self._dress()
         self._lay_out()
         self.show_nothing()
 
-    def show_size(self, size: SizeFigures) -> None:
-        """Show the size, which is known before anything is encoded."""
+    def show_size(self, size: SizeFigures | None) -> None:
+        """Show the size; None where only encoding will tell: then the old one is dimmed."""
+        self.size.set_stale(size is None)
+        if size is None:
+            self.numbers = (None, *self.numbers[1:])
+            return
         self.numbers = (size.payload.bytes, *self.numbers[1:])
         remark = self.tr("{percent:.0f} %, {rate:.0f} kbit/s")
         self.size.show_value(
@@ -97,6 +96,7 @@ class Figures(QWidget):
     def show_original(self, raw: RawFigures) -> None:
         """Show that this side is the motion as it is: the raw matrix, without error."""
         self.show_nothing()
+        self.size.set_stale(False)
         self.numbers = (raw.bytes, 0.0, 0.0, 0.0)
         self.size.show_value(kilobytes(raw.bytes), self.tr("raw, {rate:.0f} kbit/s").format(rate=raw.kbit_s))
         self.size.setToolTip(self._size_tip())
@@ -109,10 +109,12 @@ class Figures(QWidget):
         for figure, ours, theirs in zip(self._all(), self.numbers, other.numbers, strict=True):
             figure.change.setText(against(ours, theirs))
 
-    def show_report(self, report: EncodeReport, *, stale: bool = False) -> None:
+    def show_report(self, report: LabReport, *, stale: bool = False) -> None:
         """Show what was measured; `stale` where the settings have gone on since."""
         error = report.error
         self._settle()
+        if not stale:
+            self.show_size(report.size)
         self.numbers = (self.numbers[0], error.def_, error.mean_mm, error.max_mm)
         self.def_.show_value(significant(error.def_), self.tr("ASF units of 56.4 mm"))
         self.mean.show_value(
@@ -125,16 +127,18 @@ class Figures(QWidget):
             self.wait()
 
     def wait(self) -> None:
-        """Dim the errors until the next report; say so where it takes long."""
+        """Dim the errors until the next report."""
         for figure in self._measured():
             figure.set_stale(True)
-        if not self._slow.isActive():
-            self._slow.start()
 
     def show_nothing(self) -> None:
         """Show that there is no measurement: none was made or it failed."""
         self._settle()
-        self.numbers = (self.numbers[0], None, None, None)
+        if self.size.value.isEnabled():
+            self.numbers = (self.numbers[0], None, None, None)
+        else:  # the size belongs to settings that are no longer shown
+            self.numbers = (None, None, None, None)
+            self.size.show_value(_NONE)
         for figure in self._measured():
             figure.show_value(_NONE)
         self._worst_frame = None
@@ -156,13 +160,8 @@ class Figures(QWidget):
         return self.def_, self.mean, self.worst
 
     def _settle(self) -> None:
-        self._slow.stop()
         for figure in self._measured():
             figure.set_stale(False)
-
-    def _say_slow(self) -> None:
-        self.def_.remark.setText(self.tr("Measuring…"))
-        self.def_.remark.setEnabled(True)
 
     def _name_worst(self, words: str) -> None:
         self.go.setProperty("whole", words)
@@ -195,8 +194,8 @@ class Figures(QWidget):
 
     def _size_tip(self, size: SizeFigures | None = None) -> str:
         tip = self.tr(
-            "The paper's payload; 1 KB = 1024 bytes. Per cent of the motion matrix as float32; kbit/s (1000 bits) when "
-            "played at the clip's frame rate."
+            "What is sent of the motion; 1 KB = 1024 bytes. Per cent of the whole motion matrix as float32; kbit/s "
+            "(1000 bits) when played at the clip's frame rate."
         )
         if size is None:
             return tip

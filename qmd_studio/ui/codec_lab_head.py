@@ -5,11 +5,11 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QPushButton, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.project.state import Side
+from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.ui.choice_bar import Choice, ChoiceBar
 from qmd_studio.ui.preset_menu import PresetButton
-from qmd_studio.ui.side_words import settings_words, side_words
+from qmd_studio.ui.side_words import button_words, settings_words, side_words
 
 
 class SideHead(QWidget):
@@ -40,14 +40,14 @@ class SideHead(QWidget):
         """The side whose knobs are shown."""
         return self._side
 
-    def show_sides(self, side: Side, a: QmdSettings | None, b: QmdSettings | None) -> None:
+    def show_sides(self, side: Side, a: EncodeSettings | None, b: EncodeSettings | None) -> None:
         """Show what the sides are, and that the knobs are those of `side`."""
         self._side = side
         for each, settings in ((Side.A, a), (Side.B, b)):
             button = self.buttons[each]
-            button.setText(f"{each.upper()}\n{self._short(settings)}")
+            button.setText(f"{each.upper()}\n{button_words(settings)}")
             button.setAccessibleDescription(side_words(each, settings))
-            button.setToolTip(f"<p><b>{side_words(each, settings)}</b></p><p>{self._tip(each)}</p>")
+            button.setToolTip(f"<p><b>{each.upper()}  {settings_words(settings)}</b></p><p>{self._tip(each)}</p>")
         self.buttons[side].setChecked(True)
         self.presets.show_settings(a if side is Side.A else b)
         self.source.setVisible(side is Side.A)
@@ -57,9 +57,6 @@ class SideHead(QWidget):
         tip = self.tr("Give side {to} the settings of side {here}; undo takes it back (Ctrl+Z)")
         self.copy.setToolTip(tip.format(to=side.other.upper(), here=side.upper()))
         self.copy.setAccessibleName(self.copy.text())
-
-    def _short(self, settings: QmdSettings | None) -> str:
-        return settings_words(settings).rsplit(",", 1)[0]
 
     def _tip(self, side: Side) -> str:
         if side is Side.A:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QObject, QRectF, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QValidator, QWheelEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QSlider, QSpinBox, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QDoubleSpinBox, QGridLayout, QLabel, QSlider, QSpinBox, QWidget
 
 from qmd_studio.tuning.segment_stops import nearest_stop
 from qmd_studio.ui.elided_label import ElidedLabel
@@ -78,45 +78,71 @@ class WordedSpinBox(QSpinBox):
         return bool(cleaned) and bool(self._last_word) and self._last_word.lower().startswith(cleaned)
 
 
+class DistanceSpinBox(QDoubleSpinBox):
+    """A spin box for millimetres that steps by a tenth of what it shows."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent, decimals=4)
+        self.setSuffix(self.tr(" mm"))
+        self.setKeyboardTracking(False)
+        self.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+        self.setAlignment(Qt.AlignmentFlag.AlignRight)
+
+    def textFromValue(self, value: float) -> str:
+        return f"{value:.4f}".rstrip("0").rstrip(".")
+
+
 class Knob(QWidget):
-    """A whole number from `low` to `high`, at `stops` on the slider and exact in the spin box.
+    """A number at `stops` on the slider and exact in the spin box: a whole one unless `spin` is for others.
 
     `moved` is emitted with each value that the user sets, `settled` when a drag or a burst of steps is over,
     `reset_wanted` on a double click. Values set by `show_value` emit nothing.
     """
 
-    moved = Signal(int)
+    moved = Signal(object)
     settled = Signal()
     reset_wanted = Signal()
 
-    def __init__(self, name: str, *, symbol: str, title: str, tip: str, parent: QWidget | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        *,
+        symbol: str = "",
+        title: str,
+        tip: str,
+        spin: QAbstractSpinBox | None = None,
+        parent: QWidget | None = None,
+    ) -> None:
         super().__init__(parent)
         self.setObjectName(f"Knob_{name}")
-        self._stops: tuple[int, ...] = (0,)
-        self.slider, self.spin = KnobSlider(self), WordedSpinBox(self)
-        self.label, self.meaning = QLabel(f"<b>{symbol}</b> {title}", self), ElidedLabel(self)
+        self._stops: tuple[float, ...] = (0,)
+        self.slider, self.spin = KnobSlider(self), spin or WordedSpinBox(self)
+        self.label, self.meaning = QLabel(f"<b>{symbol}</b> {title}".strip(), self), ElidedLabel(self)
         self._quiet = QTimer(self, singleShot=True, interval=STEPS_TOGETHER_MS)
         self._dress(title, tip)
         self._lay_out()
         self._connect()
 
     @property
-    def value(self) -> int:
+    def value(self) -> float:
         """The value that is shown."""
         return self.spin.value()
 
-    def set_stops(self, stops: tuple[int, ...], *, last_word: str = "") -> None:
-        """Offer `stops` (ascending) on the slider and every number between the first and the last in the spin box."""
+    def set_stops(
+        self, stops: tuple[float, ...], *, last_word: str = "", limits: tuple[float, float] | None = None
+    ) -> None:
+        """Offer `stops` (ascending) on the slider, and in the spin box all within `limits` or from first to last."""
         if stops == self._stops:
             return
         self._stops = stops
         with QSignalBlocker(self.slider), QSignalBlocker(self.spin):
             self.slider.setRange(0, len(stops) - 1)
             self.slider.setPageStep(max(1, len(stops) // 10))
-            self.spin.setRange(stops[0], stops[-1])
-            self.spin.set_last_word(last_word)
+            self.spin.setRange(*(limits or (stops[0], stops[-1])))
+            if isinstance(self.spin, WordedSpinBox):
+                self.spin.set_last_word(last_word)
 
-    def show_value(self, value: int, meaning: str) -> None:
+    def show_value(self, value: float, meaning: str) -> None:
         """Show `value` and the line under it, without emitting anything."""
         with QSignalBlocker(self.slider), QSignalBlocker(self.spin):
             self.slider.setValue(nearest_stop(self._stops, value))
@@ -160,7 +186,7 @@ class Knob(QWidget):
         self.spin.editingFinished.connect(self._settle)
         self._quiet.timeout.connect(self._settle)
 
-    def _set(self, value: int) -> None:
+    def _set(self, value: float) -> None:
         self.moved.emit(value)
         if not self.slider.isSliderDown():
             self._quiet.start()

@@ -1,30 +1,30 @@
-"""All knobs of the codec lab: FDF, b, n_d, the encoder and the constants of the paper's."""
+"""All knobs of a side of the codec lab: the profile with the knobs it has, and what is left out before."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from qmd_studio.codecs.qmd.settings import MAX_BITS, MIN_BITS, Encoder, QmdSettings
+from qmd_studio.codecs.compact.settings import CompactSettings
+from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.errors import QmdStudioError
 from qmd_studio.motion.motion import Motion
-from qmd_studio.tuning.column_names import exact_columns
-from qmd_studio.tuning.segment_stops import segment_stops
+from qmd_studio.motion.skeleton import Skeleton
+from qmd_studio.tuning.encode_settings import COMPACT_DEFAULT, EncodeSettings, Profile
+from qmd_studio.tuning.lab_report import LabReport
+from qmd_studio.tuning.reachable import reachable_mm
+from qmd_studio.tuning.reduction import Reduction
 from qmd_studio.ui.choice_bar import Choice, ChoiceBar
-from qmd_studio.ui.codec_lab_knob import Knob, WordedSpinBox
-from qmd_studio.ui.quantity import kilobytes
-
-_LARGEST_K = 9
-"""The spin box of k ends in infinity one step after this; at 9 level 2 already weighs 1/512 of level 1."""
-_MAX_RQT = 10_000_000
-_FRAME_WIDTH = 34
-"""What a spin box needs beside its text, in pixels."""
+from qmd_studio.ui.codec_lab_compact_knobs import CompactKnobs
+from qmd_studio.ui.codec_lab_paper_knobs import PaperKnobs
+from qmd_studio.ui.codec_lab_reduction_knobs import ReductionKnobs
+from qmd_studio.ui.quantity import millimetres
 
 
 class Knobs(QWidget):
-    """Emits `changed(QmdSettings, str)` with the new settings and the knob that made them, `settled` after a drag.
+    """Emits `changed(EncodeSettings, str)` with the new settings and the knob that made them, `settled` after a drag.
 
     `levels_wanted` asks for the table of the columns' levels.
     """
@@ -35,158 +35,111 @@ class Knobs(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._settings, self._n_rows = QmdSettings(), 1
-        self.fdf = Knob("fdf", symbol="FDF", title=self.tr("exact columns"), tip=self._fdf_tip(), parent=self)
-        self.bits = Knob("bits", symbol="b", title=self.tr("bits of an index"), tip=self._bits_tip(), parent=self)
-        self.segment = Knob(
-            "segment", symbol="n<sub>d</sub>", title=self.tr("rows in a segment"), tip=self._segment_tip(), parent=self
-        )
-        self.encoder = ChoiceBar(self.tr("Encoder"), self._encoders(), self)
-        self.paper = QWidget(self)
-        self.k, self.rqt = WordedSpinBox(self.paper), QSpinBox(self.paper)
-        self.levels = QPushButton(self.tr("Levels…"), self.paper)
-        self._dress()
+        self._settings = EncodeSettings()
+        self._last: dict[Profile, QmdSettings | CompactSettings] = {
+            Profile.PAPER: QmdSettings(),
+            Profile.COMPACT: COMPACT_DEFAULT,
+        }
+        self.profile = ChoiceBar(self.tr("Profile"), self._profiles(), self)
+        self.paper, self.compact, self.reduction = PaperKnobs(self), CompactKnobs(self), ReductionKnobs(self)
         self._lay_out()
         self._connect()
 
     @property
     def held(self) -> bool:
         """Whether a slider is being dragged."""
-        return any(knob.slider.isSliderDown() for knob in (self.fdf, self.bits, self.segment))
+        return self.paper.held or self.compact.held or self.reduction.held
 
-    def show_settings(self, motion: Motion, settings: QmdSettings) -> None:
+    def show_settings(self, motion: Motion, settings: EncodeSettings) -> None:
         """Show `settings`, which fit `motion`."""
-        n_rows, n_columns = motion.n_frames - 1, motion.skeleton.n_columns
-        self._settings, self._n_rows = settings, max(n_rows, 1)
-        self.fdf.set_stops(tuple(range(n_columns + 1)))
-        self.bits.set_stops(tuple(range(MIN_BITS, MAX_BITS + 1)))
-        self.segment.set_stops(segment_stops(self._n_rows), last_word=self.tr("one segment"))
-        self.fdf.show_value(settings.fdf, self._fdf_meaning(motion, settings.fdf))
-        self.bits.show_value(settings.bits, self._bits_meaning(settings.bits))
-        self.segment.show_value(settings.segment or self._n_rows, self._segment_meaning(settings.segment, n_rows))
-        self.encoder.show_choice(str(settings.encoder))
-        self.paper.setVisible(settings.encoder is Encoder.PAPER)
-        with QSignalBlocker(self.k), QSignalBlocker(self.rqt):
-            self.k.setValue(_LARGEST_K + 1 if settings.k > _LARGEST_K else round(settings.k))
-            self.rqt.setValue(settings.rqt)
+        self._settings = settings
+        self._last[settings.profile] = settings.coding
+        self.profile.show_choice(str(settings.profile))
+        self.paper.setVisible(settings.paper is not None)
+        self.compact.setVisible(settings.compact is not None)
+        if settings.paper is not None:
+            n_rows = settings.reduction.n_rows(motion.n_frames)
+            self.paper.show_settings(_skeleton_left(motion, settings.reduction), n_rows, settings.paper)
+        if settings.compact is not None:
+            self.compact.show_settings(settings.compact)
+        self.reduction.show_reduction(motion, settings.reduction)
 
-    def _change(self, knob: str, **values: object) -> None:
-        self.changed.emit(replace(self._settings, **values), knob)
+    def show_report(self, report: LabReport) -> None:
+        """Say beside a knob that asks for an error what came of it; `report` is of the settings that are shown."""
+        if report.found is not None:
+            self.paper.show_found(report.found)
+        if report.settings.compact is not None:
+            words = self.tr("reached: mean {mean}, worst {worst}")
+            mean, worst = millimetres(report.error.mean_mm), millimetres(report.error.max_mm)
+            self.compact.error.say(words.format(mean=mean, worst=worst))
 
-    def _set_segment(self, rows: int) -> None:
-        self._change("segment", segment=0 if rows >= self._n_rows else rows)
+    def show_looking(self) -> None:
+        """Say beside a knob that asks for an error that it is not known yet what comes of it."""
+        for knob in (self.paper.bound, self.compact.error):
+            knob.look()
 
-    def _set_k(self, k: int) -> None:
-        self._change("k", k=math.inf if k > _LARGEST_K else float(k))
+    def show_stop(self) -> None:
+        """Say nothing more of what was looked for."""
+        for knob in (self.paper.bound, self.compact.error):
+            knob.say("")
+
+    def show_problem(self, problem: QmdStudioError) -> None:
+        """Say beside a knob that asks for an error that it cannot be kept to, and what is the best."""
+        best = reachable_mm(problem)
+        if best is None:
+            return
+        words = self.tr("cannot be met; the best reachable is {best:g} mm").format(best=best)
+        if self._settings.is_bounded:
+            self.paper.bound.say(words)
+        elif self._settings.compact is not None:
+            self.compact.error.say(words)
+
+    def _choose_profile(self, key: str) -> None:
+        profile = Profile(key)
+        if profile is not self._settings.profile:
+            self.settled.emit()
+            self.changed.emit(replace(self._settings, coding=self._last[profile]), "profile")
+            self.settled.emit()
+
+    def _change_coding(self, coding: QmdSettings | CompactSettings, knob: str) -> None:
+        self.changed.emit(replace(self._settings, coding=coding), knob)
+
+    def _change_reduction(self, reduction: Reduction, knob: str) -> None:
+        self.changed.emit(replace(self._settings, reduction=reduction), knob)
 
     def _connect(self) -> None:
-        default = QmdSettings()
-        self.fdf.moved.connect(lambda value: self._change("fdf", fdf=value))
-        self.bits.moved.connect(lambda value: self._change("bits", bits=value))
-        self.segment.moved.connect(self._set_segment)
-        self.fdf.reset_wanted.connect(lambda: self._reset("fdf", fdf=min(default.fdf, self.fdf.spin.maximum())))
-        self.bits.reset_wanted.connect(lambda: self._reset("bits", bits=default.bits))
-        self.segment.reset_wanted.connect(lambda: self._reset("segment", segment=default.segment))
-        for knob in (self.fdf, self.bits, self.segment):
-            knob.settled.connect(self.settled)
-        self.encoder.chosen.connect(lambda key: self._reset("encoder", encoder=Encoder(key)))
-        self.levels.clicked.connect(self.levels_wanted)
-        self.k.valueChanged.connect(self._set_k)
-        self.rqt.valueChanged.connect(lambda value: self._change("rqt", rqt=value))
-        self.k.editingFinished.connect(self.settled)
-        self.rqt.editingFinished.connect(self.settled)
-
-    def _reset(self, knob: str, **values: object) -> None:
-        self.settled.emit()
-        self._change(knob, **values)
-        self.settled.emit()
-
-    def _dress(self) -> None:
-        self.levels.setToolTip(self.tr("Read and edit the level of each column: the lower, the more it counts"))
-        self.levels.setAccessibleName(self.tr("Column levels"))
-        widest = ((self.k, "∞∞"), (self.rqt, "1,000,000"))
-        for field, text in widest:
-            field.setFixedWidth(field.fontMetrics().horizontalAdvance(text) + _FRAME_WIDTH)
-        self.k.setRange(0, _LARGEST_K + 1)
-        self.k.set_last_word("∞")
-        self.k.setAccessibleName("k")
-        self.k.setToolTip(
-            self.tr("Values in a bucket weigh 1/level^k. ∞: the lowest level in the bucket alone counts.")
-        )
-        self.rqt.setRange(1, _MAX_RQT)
-        self.rqt.setGroupSeparatorShown(True)
-        self.rqt.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.rqt.setKeyboardTracking(False)
-        self.rqt.setStepType(QSpinBox.StepType.AdaptiveDecimalStepType)
-        self.rqt.setAccessibleName("RQT")
-        self.rqt.setToolTip(self.tr("Differences are sorted into buckets as whole numbers, round(difference × RQT)."))
+        self.profile.chosen.connect(self._choose_profile)
+        self.paper.changed.connect(self._change_coding)
+        self.compact.changed.connect(self._change_coding)
+        self.reduction.changed.connect(self._change_reduction)
+        self.paper.levels_wanted.connect(self.levels_wanted)
+        for knobs in (self.paper, self.compact, self.reduction):
+            knobs.settled.connect(self.settled)
 
     def _lay_out(self) -> None:
-        row = QHBoxLayout(self.paper)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(4)
-        for name, field in ((self.tr("<b>k</b>"), self.k), (self.tr("<b>RQT</b>"), self.rqt)):
-            label = QLabel(name, self.paper)
-            label.setBuddy(field)
-            label.setToolTip(field.toolTip())
-            row.addWidget(label)
-            row.addWidget(field)
-            row.addSpacing(6)
-        row.addStretch(1)
-        row.addWidget(self.levels)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(12)
-        for widget in (self.fdf, self.bits, self.segment, self.encoder):
+        for widget in (self.profile, self.paper, self.compact, self.reduction):
             layout.addWidget(widget)
-        layout.addWidget(self.paper)
 
-    def _encoders(self) -> tuple[Choice, ...]:
+    def _profiles(self) -> tuple[Choice, ...]:
         return (
-            Choice(str(Encoder.CLOSED), self.tr("Closed loop"), self._closed_tip()),
-            Choice(str(Encoder.PLAIN), self.tr("Plain loop"), self._plain_tip()),
-            Choice(str(Encoder.PAPER), self.tr("The paper's"), self._paper_tip()),
+            Choice(
+                str(Profile.PAPER),
+                self.tr("Paper's format"),
+                self.tr("Version 1: any QMD decoder plays it, with next to no work"),
+            ),
+            Choice(
+                str(Profile.COMPACT),
+                self.tr("Compact"),
+                self.tr("Version 2: made for an error, several times smaller, more work to decode"),
+            ),
         )
 
-    def _closed_tip(self) -> str:
-        return self.tr(
-            "Follows what the decoder will have, and chooses the indices of a frame together by where they put the "
-            "joints. Same bytes, same decoder."
-        )
 
-    def _plain_tip(self) -> str:
-        return self.tr(
-            "Follows what the decoder will have, each column by itself: quicker, about five times the error."
-        )
-
-    def _paper_tip(self) -> str:
-        return self.tr("As published in 2005: errors add up along a segment. For comparison.")
-
-    def _fdf_tip(self) -> str:
-        return self.tr("Fixed degrees of freedom: the first FDF columns are kept as float32, the rest become indices.")
-
-    def _bits_tip(self) -> str:
-        return self.tr("An index of b bits picks one of 2^b table values. 8 takes one byte a value, 9 to 16 take two.")
-
-    def _segment_tip(self) -> str:
-        return self.tr(
-            "The motion is cut every n_d rows; each segment has a table of its own. The last stop is one segment."
-        )
-
-    def _fdf_meaning(self, motion: Motion, fdf: int) -> str:
-        if fdf == 0:
-            return self.tr("exact: none")
-        if fdf == motion.skeleton.n_columns:
-            return self.tr("exact: all {n} columns").format(n=fdf)
-        return self.tr("exact: {names}").format(names=exact_columns(motion.skeleton, fdf))
-
-    def _bits_meaning(self, bits: int) -> str:
-        width = self.tr("1 byte an index") if bits <= 8 else self.tr("2 bytes an index")
-        return self.tr("table: {n:,} values, {size}; {width}").format(
-            n=2**bits, size=kilobytes(4 * 2**bits), width=width
-        )
-
-    def _segment_meaning(self, segment: int, n_rows: int) -> str:
-        if segment == 0:
-            return self.tr("one table for all {n:,} rows").format(n=n_rows)
-        return self.tr("{count} segments, each with its table").format(count=-(-n_rows // segment))
+def _skeleton_left(motion: Motion, reduction: Reduction) -> Skeleton:
+    """Return the skeleton that is encoded: one pose is enough to know it."""
+    if reduction.n_columns(motion.skeleton) == motion.skeleton.n_columns:
+        return motion.skeleton
+    return replace(reduction, fps_divisor=1).reduce(replace(motion, X=motion.X[:1], mask=None)).skeleton

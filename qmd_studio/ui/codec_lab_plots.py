@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
 
 from qmd_studio.codecs.qmd.settings import MIN_BITS, Encoder, QmdSettings
 from qmd_studio.motion.motion import Motion
 from qmd_studio.project.state import Side
-from qmd_studio.tuning.size_figures import size_figures
+from qmd_studio.tuning.encode_settings import EncodeSettings, Profile
+from qmd_studio.tuning.reduction import Reduction
+from qmd_studio.tuning.size_figures import known_figures
 from qmd_studio.tuning.sweep import def_lines, drawn_def, size_lines
 from qmd_studio.ui.background import Background
 from qmd_studio.ui.codec_lab_work import front_work, import_plots, sweep_work
@@ -21,8 +23,8 @@ from qmd_studio.ui.quantity import KB, kilobytes, significant
 from qmd_studio.ui.side_words import settings_words
 
 if TYPE_CHECKING:
+    from qmd_studio.tuning.lab_report import LabReport
     from qmd_studio.tuning.pareto import Front
-    from qmd_studio.tuning.report import EncodeReport
     from qmd_studio.tuning.trial import Trial
     from qmd_studio.ui.plot import Plot
 
@@ -31,7 +33,9 @@ REST_MS = 250
 
 
 class PlotPanel(QWidget):
-    """Follows one side, whose encoder, n_d and constants the lines are drawn for; both sides are marked.
+    """Follows one side, whose encoder, n_d, constants and reduction the lines are drawn for; both sides are marked.
+
+    Of what is made for an error, which has neither FDF nor n_d, the lines are those of the closed loop.
 
     `settings_wanted` carries the settings of a dot that was clicked, or of the best trade-off; `target_wanted` asks for
     the target dialog. Nothing is computed while the panel is not seen.
@@ -49,11 +53,12 @@ class PlotPanel(QWidget):
         self.front: Front | None = None
         self._motion: Motion | None = None
         self._settings: QmdSettings | None = None
-        self._swept: tuple[Motion, QmdSettings] | None = None
+        self._reduction = Reduction()
+        self._swept: tuple[Motion, QmdSettings, Reduction] | None = None
         self._complete = False
         self._drawing: Callable[[], None] | None = None
         self._shown: tuple[object, ...] = ()
-        self._marked: dict[Side, tuple[QmdSettings | None, EncodeReport | None]] = {}
+        self._marked: dict[Side, tuple[EncodeSettings | None, LabReport | None]] = {}
         self._trials: list[Trial] = []
         self._wants_knee = False
         self.importing, self.sweeping = Background("plots", self), Background("sweep", self)
@@ -61,6 +66,7 @@ class PlotPanel(QWidget):
         self._rest = QTimer(self, singleShot=True, interval=REST_MS)
         self.best, self.find = QPushButton(self.tr("Best trade-off"), self), QPushButton(self)
         self.target = QPushButton(self.tr("Target…"), self)
+        self.reduced = QCheckBox(self.tr("Also try fewer frames and joints"), self)
         self.progress, self.words = QProgressBar(self), QLabel(self)
         self._room = QVBoxLayout()
         self._dress()
@@ -74,7 +80,7 @@ class PlotPanel(QWidget):
         making = self.size is not None and (self.pareto is None or self._drawing is not None)
         return making or self._rest.isActive() or any(work.running for work in works)
 
-    def show_motion(self, motion: Motion | None, settings: QmdSettings | None) -> None:
+    def show_motion(self, motion: Motion | None, settings: EncodeSettings | None) -> None:
         """Draw the lines of `settings` on `motion`; those of an original are the default's."""
         if motion is not self._motion:
             self._forget()
@@ -82,10 +88,12 @@ class PlotPanel(QWidget):
         if motion is None:
             self._settings = None
             return
-        self._settings = settings or QmdSettings()
+        settings = settings or EncodeSettings()
+        drawn = settings.paper if settings.size_is_known else None
+        self._settings, self._reduction = drawn or QmdSettings(), settings.reduction
         self._plan()
 
-    def show_marks(self, marks: Mapping[Side, tuple[QmdSettings | None, EncodeReport | None]]) -> None:
+    def show_marks(self, marks: Mapping[Side, tuple[EncodeSettings | None, LabReport | None]]) -> None:
         """Mark what each side is set to, and where that was measured to be."""
         shown = (self._motion, *marks.values())
         if shown != self._shown:
@@ -134,7 +142,7 @@ class PlotPanel(QWidget):
         settings = self._settings
         if self._motion is None or settings is None or not self.isVisible():
             return
-        key = (self._motion, replace(settings, fdf=0, bits=MIN_BITS))
+        key = (self._motion, replace(settings, fdf=0, bits=MIN_BITS), self._reduction)
         if key != self._swept:
             self._swept, self._complete = key, False
             self._trials = []
@@ -146,7 +154,7 @@ class PlotPanel(QWidget):
 
     def _sweep(self) -> None:
         if self._motion is not None and self._settings is not None:
-            self.sweeping.run(sweep_work(self._motion, self._settings, self._trials))
+            self.sweeping.run(sweep_work(self._motion, self._settings, self._reduction, self._trials))
 
     def _end_sweep(self, trials: list[Trial]) -> None:
         self._complete = True
@@ -158,7 +166,7 @@ class PlotPanel(QWidget):
 
     def _search(self, motion: Motion, settings: QmdSettings) -> None:
         self.progress.setRange(0, 0)
-        self.searching.run(front_work(motion, settings))
+        self.searching.run(front_work(motion, settings, reduced=self.reduced.isChecked()))
         self._show_searching()
 
     def _stop_search(self) -> None:
@@ -221,6 +229,8 @@ class PlotPanel(QWidget):
         elif self.pareto is None:
             self.pareto = Plot(x=kb, y="DEF", log=(True, True), parent=self)
             self._add(self.pareto, self.tr("DEF over size: what nothing beats in both. Click a dot to load it."))
+            names = [self.tr("paper"), self.tr("closed"), self.tr("plain"), "", self.tr("compact")]
+            self.pareto.name_kinds(names)
             self.pareto.picked.connect(self._pick)
             self._drawing = self._draw_all_dots
         else:
@@ -241,7 +251,7 @@ class PlotPanel(QWidget):
 
     def _draw_size(self) -> None:
         if self.size is not None and self._motion is not None and self._settings is not None:
-            for bits, values in size_lines(self._motion, self._settings.segment).items():
+            for bits, values in size_lines(self._motion, self._settings.segment, self._reduction).items():
                 self.size.show_line(f"b {bits}", list(enumerate(values)))
 
     def _draw_def(self) -> None:
@@ -255,7 +265,7 @@ class PlotPanel(QWidget):
         points = self.front.points if self.front is not None else ()
         self.pareto.show_dots(
             [(trial.bytes / KB, drawn_def(trial.def_)) for trial in points],
-            [_ENCODERS.index(trial.settings.encoder) for trial in points],
+            [_kind(trial.settings) for trial in points],
             [f"{settings_words(t.settings)}\n{kilobytes(t.bytes)}, DEF {significant(t.def_)}" for t in points],
         )
         knee = self.front.knee if self.front is not None else None
@@ -274,9 +284,13 @@ class PlotPanel(QWidget):
         for side in Side:
             settings, report = self._marked.get(side, (None, None))
             name, known = side.upper(), report is not None and report.settings == settings
-            size = None if settings is None else size_figures(self._motion, settings).payload.bytes / KB
+            figures = known_figures(self._motion, settings) if settings is not None else None
+            if figures is None and report is not None and known:
+                figures = report.size
+            size = None if figures is None else figures.payload.bytes / KB
             def_ = drawn_def(report.error.def_) if report is not None and known else None
-            fdf = None if settings is None else float(settings.fdf)
+            has_fdf = settings is not None and settings.size_is_known
+            fdf = float(settings.paper.fdf) if has_fdf and settings.paper is not None else None
             self.size.show_mark(name, None if fdf is None or size is None else (fdf, size))
             self.def_.show_mark(name, None if fdf is None or def_ is None else (fdf, def_))
             self.pareto.show_mark(name, None if size is None or def_ is None else (size, def_))
@@ -306,11 +320,18 @@ class PlotPanel(QWidget):
     def _dress(self) -> None:
         for button, tip in (
             (self.best, self.tr("Load the knee of the front: where less error begins to cost much more")),
-            (self.find, self.tr("Try many settings of every encoder and draw those that nothing beats")),
+            (
+                self.find,
+                self.tr("Try many settings of both profiles and draw those that nothing beats in size and error"),
+            ),
             (self.target, self.tr("Ask for a size, a bitrate or an error, and get the best settings for it")),
         ):
             button.setToolTip(tip)
             button.setAccessibleName(button.text() or self.tr("Find trade-offs"))
+        self.reduced.setToolTip(
+            self.tr("Try every setting also with frames and joints left out; it takes several times as long")
+        )
+        self.reduced.setAccessibleName(self.reduced.text())
         self.words.setWordWrap(True)
         self.words.setProperty("muted", True)
         self.words.hide()
@@ -329,10 +350,15 @@ class PlotPanel(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(8)
         layout.addLayout(row)
+        layout.addWidget(self.reduced)
         layout.addWidget(self.progress)
         layout.addWidget(self.words)
         layout.addLayout(self._room)
 
 
-_ENCODERS = tuple(Encoder)
+_KINDS = (*(str(encoder) for encoder in Encoder), str(Profile.COMPACT))
 """What gives the dots of the front their colours and shapes."""
+
+
+def _kind(settings: EncodeSettings) -> int:
+    return _KINDS.index(str(settings.paper.encoder if settings.paper is not None else settings.profile))

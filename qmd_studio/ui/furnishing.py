@@ -19,7 +19,7 @@ from qmd_studio.ui.stage import Stage, Take
 
 if TYPE_CHECKING:
     from qmd_studio.motion.metrics import MotionError
-    from qmd_studio.tuning.report import EncodeReport
+    from qmd_studio.tuning.lab_report import LabReport
     from qmd_studio.ui.main_window import MainWindow
 
 Kinematics: TypeAlias = Callable[[Skeleton, FloatArray], FloatArray]
@@ -70,8 +70,8 @@ def _bring_lab(window: MainWindow) -> None:
     comparison = window.views.comparison = Comparison(window.viewport, window.stage, window)
     comparison.set_dark(window.themes.dark)
 
-    def show_side(side: Side, report: EncodeReport) -> None:
-        window.stage.show_side(side, Take(lambda: report.decoded, report.error.distance_mm))
+    def show_side(side: Side, report: LabReport) -> None:
+        window.stage.show_side(side, Take(lambda: report.played, report.error.distance_mm))
         if side is Side.B:
             window.status.show_figures(report.file_bytes, report.error.def_)
         window.views.follow()
@@ -98,5 +98,7 @@ def _bring_lab(window: MainWindow) -> None:
     lab.view_chosen.connect(window.views.show_view)
     lab.heat_toggled.connect(window.views.show_heat)
     lab.reopen_wanted.connect(lambda path: window.open_paths([path]))
+    lab.budget.device_chosen.connect(lambda name: setattr(window.settings, "device", name))
+    lab.budget.show_device(window.settings.device)
     lab.name_sides()
     window.views.show_view(window.stage.view)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING
@@ -12,12 +11,12 @@ from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDragLeaveEvent, QDropEvent, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QMainWindow, QVBoxLayout, QWidget
 
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.project.commands import RemoveClip, SetCodecSettings
 from qmd_studio.project.document import Document
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import DocumentState
+from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.ui.actions import Actions, Needs
 from qmd_studio.ui.background import Background, Tell
 from qmd_studio.ui.banner import BannerArea
@@ -25,6 +24,7 @@ from qmd_studio.ui.clip_panel import ClipPanel
 from qmd_studio.ui.dialogs import AboutDialog, ShortcutsDialog
 from qmd_studio.ui.dock_title import DockTitle
 from qmd_studio.ui.drop import DropHighlight, dropped_files, dropped_folders
+from qmd_studio.ui.encoder_verbs import encoder_handlers, encoder_verb
 from qmd_studio.ui.file_desk import FileDesk
 from qmd_studio.ui.focus_ring import FocusRing
 from qmd_studio.ui.help_dialog import HelpDialog
@@ -165,10 +165,8 @@ class MainWindow(QMainWindow):
             "go_to": self.timeline.edit_place,
             "next_worst": lambda: self.strip and self.strip.go_to_next(),
             "previous_worst": lambda: self.strip and self.strip.go_to_previous(),
-            "reset_codec": lambda: self.document.execute(SetCodecSettings(QmdSettings())),
-            "encoder_closed": lambda: self._choose_encoder(Encoder.CLOSED),
-            "encoder_plain": lambda: self._choose_encoder(Encoder.PLAIN),
-            "encoder_paper": lambda: self._choose_encoder(Encoder.PAPER),
+            "reset_codec": lambda: self.document.execute(SetCodecSettings(EncodeSettings())),
+            **encoder_handlers(self.document),
             "column_levels": lambda: self.lab and self.lab.open_levels(),
             "help": lambda: HelpDialog(self).show(),
             "shortcuts": lambda: ShortcutsDialog(self).show(),
@@ -297,7 +295,7 @@ class MainWindow(QMainWindow):
         self._shown_clip = state.active
         self.status.show_clips(len(state.clips))
         self.setWindowTitle(f"{clip.name} — QMD Studio" if clip else "QMD Studio")
-        self.verbs[f"encoder_{state.codec.encoder}"].setChecked(True)
+        self.verbs[encoder_verb(state.codec)].setChecked(True)
         self._name_history()
         self.enable_verbs()
 
@@ -326,9 +324,6 @@ class MainWindow(QMainWindow):
     def _select_joint(self, joint: int) -> None:
         self.viewport.select_joint(joint)
         self.enable_verbs()
-
-    def _choose_encoder(self, encoder: Encoder) -> None:
-        self.document.execute(SetCodecSettings(replace(self.document.state.codec, encoder=encoder)))
 
     # The look
 

@@ -97,6 +97,13 @@ class Plot(QWidget):
         self.dots.setData(spots)
         self.dots.opts["tip"] = lambda x, y, data: self._tips[data]
 
+    def name_kinds(self, names: Sequence[str]) -> None:
+        """Say in the legend what the kinds of dots are called, those with a name."""
+        for kind, name in enumerate(names):
+            if name:
+                sample = pyqtgraph.ScatterPlotItem(symbol=_SYMBOLS[kind], brush=LINE_COLOURS[kind], pen=None, size=8)
+                self._legend.addItem(sample, name)
+
     def show_mark(self, name: str, point: tuple[float, float] | None) -> None:
         """Put the mark called `name` at `point`, or nowhere."""
         if name not in self.marks:

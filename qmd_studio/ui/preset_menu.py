@@ -23,10 +23,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import QmdStudioError
-from qmd_studio.project.presets import BUILT_IN, MAX_NAME, Preset, PresetShelf, to_json
+from qmd_studio.project.preset_json import MAX_NAME, Preset, to_json
+from qmd_studio.project.presets import BUILT_IN, PresetShelf
 from qmd_studio.storage import write_atomic
+from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.ui.notice import Notice
 
 AskName = Callable[[QWidget, str], str | None]
@@ -51,7 +52,7 @@ class PresetButton(QToolButton):
         self.setObjectName("Presets")
         self.shelf = shelf or PresetShelf()
         self._ask_name = ask_name or ask_for_name
-        self._settings: QmdSettings | None = None
+        self._settings: EncodeSettings | None = None
         self._own: list[Preset] | None = None
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
@@ -65,7 +66,7 @@ class PresetButton(QToolButton):
         self.setMenu(menu)
         self.show_settings(None)
 
-    def show_settings(self, settings: QmdSettings | None) -> None:
+    def show_settings(self, settings: EncodeSettings | None) -> None:
         """Say which preset `settings` are; None where there are no settings."""
         self._settings = settings
         if self._own is None:

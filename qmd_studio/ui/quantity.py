@@ -36,6 +36,19 @@ def significant(value: float) -> str:
     return f"{value:.{places if abs(value) >= 0.1 else 4}f}"
 
 
+def percent(share: float) -> str:
+    """Return a share of 1 in per cent with two digits that count: "0.34 %", "21 %", "310 %"."""
+    value = 100.0 * share
+    if 0.0 < value < 0.01:
+        return "< 0.01 %"
+    return f"{value:.0f} %" if value >= 9.95 else f"{value:.1f} %" if value >= 0.995 else f"{value:.2g} %"
+
+
+def frame_rate(fps: float) -> str:
+    """Return a frame rate with as many digits as it takes: "120 fps", "29.97 fps"."""
+    return f"{fps:.4g} fps"
+
+
 def against(value: float | None, other: float | None) -> str:
     """Return how a cost compares with another one, in a few characters: "▼ 65 %", "▼ 29×", "▲ 12 %", "=".
 

@@ -79,6 +79,15 @@ class Settings:
         """Remember the folder used for `purpose`."""
         self._store.setValue(f"folder/{purpose}", str(folder))
 
+    @property
+    def device(self) -> str:
+        """The name of the device profile chosen last, "" where none was."""
+        return str(self._store.value("device", ""))
+
+    @device.setter
+    def device(self, name: str) -> None:
+        self._store.setValue("device", name)
+
     def layout(self) -> tuple[QByteArray, QByteArray] | None:
         """Return the window's geometry and its docks' state, None where there is none of this version."""
         if int(self._store.value("layout/version", 0)) != LAYOUT_VERSION:

@@ -8,6 +8,8 @@ from PySide6.QtCore import QEvent, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QHelpEvent, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QToolTip, QVBoxLayout, QWidget
 
+from qmd_studio.codecs.qmd.size import SizeBreakdown
+from qmd_studio.tuning.compact_size import CompactBreakdown
 from qmd_studio.tuning.size_figures import SizeFigures
 from qmd_studio.ui.quantity import exact_bytes, kilobytes, tabular
 
@@ -121,13 +123,17 @@ class SizeBreakdownView(QWidget):
         self.bar.show_parts(parts)
         while len(self._entries) < len(parts):
             self._add_entry()
-        for entry, part in zip(self._entries, parts, strict=True):
+        for entry in self._entries[len(parts) :]:
+            for label in entry:
+                label.hide()
+        for entry, part in zip(self._entries, parts, strict=False):
             swatch, name, amount = entry
             swatch.setStyleSheet(f"background: {part.colour.name()}; border-radius: 2px;")
             name.setText(part.name)
             amount.setText(kilobytes(part.n_bytes) if part.n_bytes >= 1024 else f"{part.n_bytes} B")
             for label in entry:
                 label.setToolTip(_tip(part))
+                label.show()
 
     def _add_entry(self) -> None:
         labels = (QLabel(self), QLabel(self), QLabel(self))
@@ -143,7 +149,38 @@ class SizeBreakdownView(QWidget):
 
     def _parts(self, size: SizeFigures) -> tuple[Part, ...]:
         payload = size.payload
-        segments = self.tr("%n segment(s)", "", size.n_segments)
+        if isinstance(payload, CompactBreakdown):
+            return (*self._compact_parts(payload), *self._parts_around(size))
+        return (*self._paper_parts(payload, size.n_segments), *self._parts_around(size))
+
+    def _compact_parts(self, payload: CompactBreakdown) -> tuple[Part, ...]:
+        segments = self._segments(payload.n_segments)
+        return (
+            Part(
+                self.tr("Counts"),
+                self.tr("Frames, columns, segment and block, and the lengths of all streams"),
+                _GREY,
+                payload.count_bytes,
+            ),
+            Part(
+                self.tr("Steps and pose"),
+                self.tr("The step of each column and the first pose, entropy coded"),
+                _PINK,
+                payload.prelude_bytes,
+            ),
+            Part(
+                self.tr("Key poses and waves"),
+                self.tr("Key poses, and sums of sines between them, range-coded in one stream a segment: ") + segments,
+                _GREEN,
+                payload.stream_bytes,
+            ),
+        )
+
+    def _segments(self, count: int) -> str:
+        return self.tr("one segment") if count == 1 else self.tr("{n:,} segments").format(n=count)
+
+    def _paper_parts(self, payload: SizeBreakdown, n_segments: int) -> tuple[Part, ...]:
+        segments = self._segments(n_segments)
         return (
             Part(
                 self.tr("Headers"),
@@ -162,6 +199,10 @@ class SizeBreakdownView(QWidget):
             Part(
                 self.tr("Indices"), self.tr("All other columns: one or two bytes a value"), _GREEN, payload.index_bytes
             ),
+        )
+
+    def _parts_around(self, size: SizeFigures) -> tuple[Part, ...]:
+        return (
             Part(
                 self.tr("File frame"),
                 self.tr("Around the payload: magic, version, frame rate, checksum, encoder"),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
+    QCheckBox,
     QComboBox,
     QDialog,
     QDoubleSpinBox,
@@ -19,9 +20,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.motion.motion import Motion
-from qmd_studio.tuning.size_figures import size_figures
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.size_figures import known_figures, raw_figures
 from qmd_studio.tuning.targets import Target, TargetKind
 from qmd_studio.ui.background import Background
 from qmd_studio.ui.codec_lab_work import target_work
@@ -34,12 +35,16 @@ if TYPE_CHECKING:
     from qmd_studio.tuning.trial import Trial
 
 
+_USUAL_SAVING = 20
+"""How many times smaller than the raw motion a file of the compact profile is, where nothing else is known."""
+
+
 class TargetDialog(QDialog):
-    """Looks for the settings of one encoder that meet a target best; `settings_wanted` carries those to load."""
+    """Looks for the settings of one profile and encoder that meet a target best; `settings_wanted` carries them."""
 
     settings_wanted = Signal(object)
 
-    def __init__(self, motion: Motion, settings: QmdSettings, parent: QWidget | None = None) -> None:
+    def __init__(self, motion: Motion, settings: EncodeSettings, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setWindowTitle(self.tr("Target"))
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -50,6 +55,7 @@ class TargetDialog(QDialog):
         self.kind, self.value, self.unit = QComboBox(self), QDoubleSpinBox(self), QLabel(self)
         self.find, self.use = QPushButton(self), QPushButton(self.tr("Use these settings"), self)
         self.close_button = QPushButton(self.tr("Close"), self, autoDefault=False)
+        self.reduced = QCheckBox(self.tr("Also try fewer frames and joints"), self)
         self.progress, self.answer = QProgressBar(self), Notice(self)
         self._dress()
         self._lay_out()
@@ -70,7 +76,8 @@ class TargetDialog(QDialog):
             self.answer.clear()
             self._target = Target(self.target_kind, self.value.value() * self._scale())
             self.progress.setRange(0, 0)
-            self.search.run(target_work(self._motion, self._base, self._target))
+            reduced = self.reduced.isChecked()
+            self.search.run(target_work(self._motion, self._base, self._target, reduced=reduced))
         self._show_running()
 
     @property
@@ -89,7 +96,11 @@ class TargetDialog(QDialog):
         self._best = outcome.best
         self._show_running()
         if outcome.best is None or self._target is None:
-            self.answer.say("warning", self.tr("No setting can be tried"), self.tr("The motion is too short."))
+            title, why = (
+                self.tr("No setting comes near"),
+                self.tr("The motion is too short, or the target out of reach."),
+            )
+            self.answer.say("warning", title, why)
             return
         words = self._words(outcome.best)
         if self._target.met_by(outcome.best, self._motion):
@@ -102,7 +113,7 @@ class TargetDialog(QDialog):
         text = self.tr("{size}, {rate:.0f} kbit/s, DEF {error}, mean {mean}, worst {worst}")
         return text.format(
             size=kilobytes(best.bytes),
-            rate=size_figures(self._motion, best.settings).kbit_s,
+            rate=best.bytes * 8 / 1000 / self._motion.duration_s,
             error=significant(best.def_),
             mean=millimetres(best.mean_mm),
             worst=millimetres(best.max_mm),
@@ -119,10 +130,11 @@ class TargetDialog(QDialog):
 
     def _choose_kind(self) -> None:
         """Start from what the present settings come to, where that is known: a size or a rate; else a usual error."""
-        size = size_figures(self._motion, self._base)
+        size, raw = known_figures(self._motion, self._base), raw_figures(self._motion)
+        n_bytes = raw.bytes / _USUAL_SAVING if size is None else size.payload.bytes
         starts = {
-            TargetKind.BYTES: (size.payload.bytes / KB, 1, 1.0, self.tr("KB")),
-            TargetKind.KBPS: (size.kbit_s, 1, 1.0, self.tr("kbit/s")),
+            TargetKind.BYTES: (n_bytes / KB, 1, 1.0, self.tr("KB")),
+            TargetKind.KBPS: (n_bytes * 8 / 1000 / self._motion.duration_s, 1, 1.0, self.tr("kbit/s")),
             TargetKind.DEF: (0.01, 4, 0.001, self.tr("ASF units")),
             TargetKind.MEAN_MM: (0.1, 3, 0.01, self.tr("mm")),
             TargetKind.MAX_MM: (1.0, 3, 0.1, self.tr("mm")),
@@ -161,6 +173,8 @@ class TargetDialog(QDialog):
         self.find.setDefault(True)
         self.find.setToolTip(self.tr("Look through the settings of this encoder"))
         self.find.setAccessibleName(self.tr("Find settings"))
+        self.reduced.setToolTip(self.tr("Search again with frames and joints left out; it takes several times as long"))
+        self.reduced.setAccessibleName(self.reduced.text())
         self.use.setToolTip(self.tr("Load what was found; undo takes it back"))
         self.use.setAccessibleName(self.use.text())
         self.close_button.setToolTip(self.tr("Leave the settings as they are"))
@@ -170,13 +184,14 @@ class TargetDialog(QDialog):
         self.progress.setAccessibleName(self.tr("Settings tried"))
 
     def _lay_out(self) -> None:
-        encoder = QLabel(self.tr("Encoder: {name}").format(name=encoder_words(self._base)), self)
+        encoder = QLabel(self.tr("With: {name}").format(name=encoder_words(self._base)), self)
         encoder.setProperty("muted", True)
         grid, row, layout = QGridLayout(), QHBoxLayout(), QVBoxLayout(self)
         grid.addWidget(self.kind, 0, 0)
         grid.addWidget(self.value, 0, 1)
         grid.addWidget(self.unit, 0, 2)
         grid.addWidget(encoder, 1, 0, 1, 3)
+        grid.addWidget(self.reduced, 2, 0, 1, 3)
         grid.setColumnStretch(1, 1)
         row.addWidget(self.find)
         row.addStretch(1)
@@ -200,7 +215,7 @@ class TargetDialog(QDialog):
         self.search.failed.connect(self._fail)
 
 
-def target_dialog(motion: Motion, settings: QmdSettings, parent: QWidget) -> TargetDialog:
-    """Return the dialog for the encoder of `settings`, whose FDF, b and n_d it looks for."""
-    fitted = replace(settings, segment=0).fitted(motion.skeleton.n_columns)
-    return TargetDialog(motion, fitted.checked(motion.skeleton.n_columns, motion.n_frames - 1), parent)
+def target_dialog(motion: Motion, settings: EncodeSettings, parent: QWidget) -> TargetDialog:
+    """Return the dialog for the profile and encoder of `settings`, whose other knobs it looks for."""
+    coding = settings.coding if settings.paper is None else replace(settings.paper, segment=0)
+    return TargetDialog(motion, replace(settings, coding=coding).fitted(motion), parent)

@@ -7,18 +7,18 @@ import sys
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QObject, Qt, Signal
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.errors import CodecError, QmdStudioError
 from qmd_studio.motion.motion import Motion
+from qmd_studio.tuning.encode_settings import EncodeSettings
 
 if TYPE_CHECKING:
-    from qmd_studio.tuning.report import EncodeReport
-    from qmd_studio.tuning.session import TuningSession
+    from qmd_studio.tuning.lab_report import LabReport
+    from qmd_studio.tuning.lab_session import LabSession
 
 IDLE_S = 10.0
 """A thread with nothing to do for this long goes home; the next request starts another."""
@@ -31,12 +31,13 @@ CACHED_SESSIONS = 2
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What one ticket asks for."""
+    """What one ticket asks for; `stop` is set when nobody wants it any more."""
 
     ticket: int
     motion: Motion
-    settings: QmdSettings
+    settings: EncodeSettings
     draft: bool = False
+    stop: threading.Event = field(default_factory=threading.Event)
 
 
 class Mailbox:
@@ -80,13 +81,14 @@ class Mailbox:
 
 
 class TuningWorker(QObject):
-    """Turns `request(motion, settings)` into `measured(EncodeReport)` or `failed(QmdStudioError)`.
+    """Turns `request(motion, settings)` into `measured(LabReport)` or `failed(QmdStudioError)`.
 
     Every request has a ticket, and outcomes come on this object's thread in the order of their tickets. A request that
     has not begun when a newer one comes never begins; one that has is finished, and its report emitted unless a newer
-    one was: a hand that never rests sees figures all the same. Of another motion, of a request before `cancel`, and of
-    a failure that is not the newest's nothing is told. A report that is still remembered is emitted at once. A `draft`
-    is enough while a slider is held: it comes sooner, and it is not remembered.
+    one was: a hand that never rests sees figures all the same. What takes long is stopped instead. Of another motion,
+    of a request before `cancel`, and of a failure that is not the newest's nothing is told. A report that is still
+    remembered is emitted at once. A `draft` is enough while a slider is held: it comes sooner, and it is not
+    remembered.
     """
 
     measured = Signal(object)
@@ -100,8 +102,9 @@ class TuningWorker(QObject):
         self._newest = self._told = 0
         self._motion: Motion | None = None
         self._pending = False
-        self._reports: OrderedDict[tuple[Motion, QmdSettings], EncodeReport] = OrderedDict()
-        self._outcomes: deque[tuple[Job, EncodeReport | QmdStudioError]] = deque()
+        self._stop = threading.Event()
+        self._reports: OrderedDict[tuple[Motion, EncodeSettings], LabReport] = OrderedDict()
+        self._outcomes: deque[tuple[Job, LabReport | QmdStudioError]] = deque()
         self._came.connect(self._receive_newest, Qt.ConnectionType.QueuedConnection)
         self.destroyed.connect(self._mailbox.close)
         application = QCoreApplication.instance()
@@ -113,14 +116,16 @@ class TuningWorker(QObject):
         """Whether the newest request still waits for its outcome."""
         return self._pending
 
-    def request(self, motion: Motion, settings: QmdSettings, *, draft: bool = False) -> int:
+    def request(self, motion: Motion, settings: EncodeSettings, *, draft: bool = False) -> int:
         """Ask for the report of `settings`, which fit `motion`; return the ticket."""
         if motion is not self._motion:
             self.cancel()
         self._motion = motion
         self._newest += 1
         self._pending = True
-        job = Job(self._newest, motion, settings, draft)
+        self._stop.set()
+        self._stop = threading.Event()
+        job = Job(self._newest, motion, settings, draft, self._stop)
         known = self._reports.get((motion, settings))
         if known is not None:
             self._mailbox.empty()
@@ -134,6 +139,7 @@ class TuningWorker(QObject):
         self._newest += 1
         self._told = self._newest
         self._pending = False
+        self._stop.set()
         self._mailbox.empty()
 
     def close(self) -> None:
@@ -149,7 +155,7 @@ class TuningWorker(QObject):
         self._thread = threading.Thread(target=_work, args=arguments, name="tuning", daemon=True)
         self._thread.start()
 
-    def _deliver(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
+    def _deliver(self, job: Job, outcome: LabReport | QmdStudioError) -> None:
         """Hand an outcome over, on the working thread."""
         self._outcomes.append((job, outcome))
         self._came.emit()
@@ -161,7 +167,7 @@ class TuningWorker(QObject):
         if self._outcomes:
             self._receive(*self._outcomes.popleft())
 
-    def _receive(self, job: Job, outcome: EncodeReport | QmdStudioError) -> None:
+    def _receive(self, job: Job, outcome: LabReport | QmdStudioError) -> None:
         self._remember(job, outcome)
         failed, newest = isinstance(outcome, QmdStudioError), job.ticket == self._newest
         if job.ticket <= self._told or (failed and not newest):
@@ -170,7 +176,7 @@ class TuningWorker(QObject):
         self._pending = self._pending and not newest
         (self.failed if failed else self.measured).emit(outcome)
 
-    def _remember(self, job: Job, report: EncodeReport | QmdStudioError) -> None:
+    def _remember(self, job: Job, report: LabReport | QmdStudioError) -> None:
         if isinstance(report, QmdStudioError) or report.draft:
             return
         self._reports[job.motion, job.settings] = report
@@ -181,17 +187,17 @@ class TuningWorker(QObject):
 
 def _work(mailbox: Mailbox, deliver: Callable[[Job, object], None]) -> None:
     """The thread: take the newest job, measure, deliver, until the box is closed or stays empty."""
-    sessions: OrderedDict[Motion, TuningSession] = OrderedDict()
+    sessions: OrderedDict[Motion, LabSession] = OrderedDict()
     while (job := mailbox.take(IDLE_S)) is not None:
         outcome = _outcome(job, sessions)
         with contextlib.suppress(RuntimeError):  # the window may have gone while this was measured
             deliver(job, outcome)
 
 
-def _outcome(job: Job, sessions: OrderedDict[Motion, TuningSession]) -> EncodeReport | QmdStudioError:
+def _outcome(job: Job, sessions: OrderedDict[Motion, LabSession]) -> LabReport | QmdStudioError:
     try:
-        report = _session(job.motion, sessions).evaluate(job.settings, draft=job.draft)
-        _ = report.decoded  # made here, where nobody waits for it, and kept in the report
+        report = _session(job.motion, sessions).evaluate(job.settings, draft=job.draft, cancel=job.stop)
+        _ = report.played, report.budget  # made here, where nobody waits for it, and kept in the report
         return report
     except QmdStudioError as problem:
         return problem
@@ -202,12 +208,12 @@ def _outcome(job: Job, sessions: OrderedDict[Motion, TuningSession]) -> EncodeRe
         return CodecError("this motion could not be measured", got=repr(problem))
 
 
-def _session(motion: Motion, sessions: OrderedDict[Motion, TuningSession]) -> TuningSession:
-    from qmd_studio.tuning.session import TuningSession  # compiled kernels come with it: not before they are wanted
+def _session(motion: Motion, sessions: OrderedDict[Motion, LabSession]) -> LabSession:
+    from qmd_studio.tuning.lab_session import LabSession  # compiled kernels come with it: not before they are wanted
 
     session = sessions.get(motion)
     if session is None:
-        session = sessions[motion] = TuningSession(motion)
+        session = sessions[motion] = LabSession(motion)
         while len(sessions) > CACHED_SESSIONS:
             sessions.popitem(last=False)
     sessions.move_to_end(motion)

@@ -61,7 +61,7 @@ class Gaps:
 
 def single_tick(app, lab, document, fdf):
     """Move the FDF slider and return the milliseconds until the figures of that setting are painted."""
-    slider = lab.knobs.fdf.slider
+    slider = lab.knobs.paper.fdf.slider
     slider.setSliderDown(True)
     start = time.perf_counter()
     slider.setValue(fdf)
@@ -75,13 +75,13 @@ def single_tick(app, lab, document, fdf):
 
 def drag(app, lab):
     """Draw the FDF slider to and fro as a hand does, a step every display frame."""
-    lab.knobs.fdf.slider.setSliderDown(True)
+    lab.knobs.paper.fdf.slider.setSliderDown(True)
     for tick in range(N_TICKS):
-        lab.knobs.fdf.slider.setValue(abs(tick % 80 - 40))
+        lab.knobs.paper.fdf.slider.setValue(abs(tick % 80 - 40))
         until = time.perf_counter() + DRAG_MS / 1e3
         while time.perf_counter() < until:
             app.processEvents()
-    lab.knobs.fdf.slider.setSliderDown(False)
+    lab.knobs.paper.fdf.slider.setSliderDown(False)
     wait(app, lab)
 
 

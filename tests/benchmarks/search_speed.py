@@ -49,10 +49,10 @@ def main():
 
 def plain_milliseconds(motion, encoder, trials):
     """Return the mean time of a straightforward evaluation, over a sample of what was tried; check that it agrees."""
-    sample = random.Random(1).sample(sorted(trials, key=lambda t: (t.settings.fdf, t.settings.bits, t.bytes)), N_SAMPLE)
+    sample = random.Random(1).sample(sorted(trials, key=lambda t: (t.paper.fdf, t.paper.bits, t.bytes)), N_SAMPLE)
     positions = point_positions(motion.skeleton, motion.X)
     started = time.perf_counter()
-    errors = [plain_evaluation(motion, positions, trial.settings) for trial in sample]
+    errors = [plain_evaluation(motion, positions, trial.paper) for trial in sample]
     took = time.perf_counter() - started
     off = max(abs(error - trial.def_) / (trial.def_ + 1e-4) for error, trial in zip(errors, sample, strict=True))
     print(f"straightforward evaluation of {N_SAMPLE} settings differs by at most {off:.1%}")

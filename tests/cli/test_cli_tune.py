@@ -14,8 +14,8 @@ from command_line import ROOT, Qmd, write_walk
 from corpus import corpus_file
 
 BEST_KEYS = {
-    "encoder", "fdf", "bits", "segment", "bytes", "file_bytes", "merit", "def", "mean_mm", "p99_mm", "max_mm",
-    "worst_joint", "worst_frame", "velocity_mm_s", "acceleration_mm_s2",
+    "encoder", "fdf", "bits", "segment", "every", "max_level", "max_loa", "bytes", "file_bytes", "merit",
+    "def", "mean_mm", "p99_mm", "max_mm", "worst_joint", "worst_frame", "velocity_mm_s", "acceleration_mm_s2",
 }  # fmt: skip
 
 
@@ -131,3 +131,40 @@ def test_a_long_search_shows_how_far_it_is_and_ends_by_ctrl_c(tmp_path: Path) ->
         assert process.stdout is not None
         assert process.stdout.read() == b""
     os.close(ours)
+
+
+def test_fewer_frames_and_joints_are_dimensions_of_the_search(qmd: Qmd, walk: Path) -> None:
+    bounds = ["--fdf", "0,6", "--bits", "8", "--segments", "0", "--exhaustive", "--encoder", "paper"]
+    alone = qmd("tune", walk, *bounds, "--json").json
+    outcome = qmd("tune", walk, *bounds, "--every", "1-3", "--max-level", "5,6", "--json")
+    told = outcome.json
+    assert told["evaluations"] == told["settings"] == 6 * alone["settings"]
+    assert told["best"]["merit"] <= alone["best"]["merit"]
+    assert (alone["best"]["every"], alone["best"]["max_level"], alone["best"]["max_loa"]) == (1, 6, None)
+    small = qmd("tune", walk, "--every", "1-4", "--target-bytes", 4000, "--encoder", "paper", "--json").json
+    assert small["target"]["met"]
+    assert small["best"]["every"] > 1
+    assert small["best"]["bytes"] <= 4000
+    made = encoded_reduced(qmd, walk, small["best"])
+    assert made["payload_bytes"] == small["best"]["bytes"]
+    assert made["def"] == pytest.approx(small["best"]["def"])
+    assert "every" in qmd("tune", walk, *bounds, "--every", "1-4").out
+
+
+def encoded_reduced(qmd: Qmd, walk: Path, best: dict) -> dict:
+    options = f"--fdf {best['fdf']} --bits {best['bits']} --segment {best['segment']} --encoder {best['encoder']}"
+    options += f" --every {best['every']} --max-level {best['max_level']}"
+    return qmd("encode", walk, walk.with_suffix(".qmd"), *options.split(), "--json").json
+
+
+def test_the_state_of_each_reduction_is_kept(qmd: Qmd, walk: Path, tmp_path: Path) -> None:
+    options = ["--exhaustive", "--every", "1,2", "--fdf", "0,6", "--state", tmp_path / "state.json", "--json"]
+    first, second = (qmd("tune", walk, *options).json for _ in range(2))
+    assert (first["evaluations"], second["evaluations"]) == (first["settings"], 0)
+    assert first["best"] == second["best"]
+    assert sorted(path.name for path in tmp_path.glob("state*")) == ["state-every2-level6.json", "state.json"]
+
+
+@pytest.mark.parametrize("options", ["--every 0", "--max-level 7", "--max-loa 4", "--every x"])
+def test_reductions_out_of_range_are_told(qmd: Qmd, walk: Path, options: str) -> None:
+    assert qmd("tune", walk, *options.split()).code == 2

@@ -1,18 +1,20 @@
 """The bounded encoder keeps every joint within its distance, for no more bytes than a plain grid of settings."""
 
+import threading
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from qmd_studio.codecs.qmd.bounded import _below, _climbed, _Found
+from qmd_studio.codecs.qmd.bounded import _below, _climbed, _Found, encode_bounded
 from qmd_studio.codecs.qmd.bounded_fit import Fitter
 from qmd_studio.codecs.qmd.decode import decode
 from qmd_studio.codecs.qmd.encode import encode
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.codecs.qmd.size import payload_size
 from qmd_studio.codecs.qmd.units import codec_matrix
-from qmd_studio.errors import CodecError
+from qmd_studio.errors import Cancelled, CodecError
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.metrics import measure
 from qmd_studio.motion.motion import Motion
@@ -140,3 +142,22 @@ def test_encode_of_captured_motion_within_a_bound_is_smaller_than_the_paper_s_fi
 def test_encode_of_other_bodies_within_a_bound_keeps_it(path):
     motion = open_file(path).motion
     assert measure(motion, decode(encode(motion, within(1.0)).data)).max_mm <= 1.0
+
+
+def test_it_is_stopped_wherever_it_is():
+    motion = walker(120)
+    for checks in range(4):
+        with pytest.raises(Cancelled):
+            encode_bounded(codec_matrix(motion), motion.skeleton, 0.02, CancelAfter(checks))
+
+
+class CancelAfter(threading.Event):
+    """Is set once it has been asked so many times."""
+
+    def __init__(self, checks):
+        super().__init__()
+        self._left = checks
+
+    def is_set(self):
+        self._left -= 1
+        return self._left < 0

@@ -1,12 +1,10 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.codecs.compact.settings import CompactSettings
 from qmd_studio.errors import EditError, QmdStudioError
 from qmd_studio.formats.loaded import Loaded
 from qmd_studio.motion.motion import Motion
@@ -25,6 +23,9 @@ from qmd_studio.project.commands import (
 )
 from qmd_studio.project.document import Document
 from qmd_studio.project.state import Side
+from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.tuning.reduction import Reduction
+from tests.paper_settings import paper
 
 
 def small_skeleton():
@@ -103,27 +104,27 @@ def test_a_transaction_is_one_step(document):
 
 def test_a_drag_is_one_step_and_the_next_drag_another(document):
     for bits in (9, 10, 11):
-        document.execute(SetCodecSettings(QmdSettings(bits=bits), drag="bits"))
+        document.execute(SetCodecSettings(paper(bits=bits), drag="bits"))
     document.end_merge()
     for bits in (12, 13):
-        document.execute(SetCodecSettings(QmdSettings(bits=bits), drag="bits"))
+        document.execute(SetCodecSettings(paper(bits=bits), drag="bits"))
     document.undo()
-    assert document.state.codec.bits == 11
+    assert document.state.codec.coding.bits == 11
     document.undo()
-    assert document.state.codec.bits == QmdSettings().bits
+    assert document.state.codec.coding.bits == paper().coding.bits
 
 
 def test_drags_of_two_sliders_do_not_merge(document):
-    document.execute(SetCodecSettings(QmdSettings(bits=9), drag="bits"))
-    document.execute(SetCodecSettings(QmdSettings(bits=9, fdf=4), drag="fdf"))
+    document.execute(SetCodecSettings(paper(bits=9), drag="bits"))
+    document.execute(SetCodecSettings(paper(bits=9, fdf=4), drag="fdf"))
     document.undo()
-    assert document.state.codec == QmdSettings(bits=9)
+    assert document.state.codec == paper(bits=9)
 
 
 def test_a_drag_back_to_where_it_began_leaves_no_step(document):
     steps = document.history
-    document.execute(SetCodecSettings(QmdSettings(bits=9), drag="bits"))
-    document.execute(SetCodecSettings(QmdSettings(), drag="bits"))
+    document.execute(SetCodecSettings(paper(bits=9), drag="bits"))
+    document.execute(SetCodecSettings(paper(), drag="bits"))
     assert document.history == steps
 
 
@@ -186,7 +187,7 @@ class Editing(RuleBasedStateMachine):
 
     @rule(bits=st.integers(8, 16), drag=st.sampled_from([None, "bits", "fdf"]))
     def codec(self, bits, drag):
-        self.do(SetCodecSettings(replace(self.document.state.codec, bits=bits), drag))
+        self.do(SetCodecSettings(paper(bits=bits), drag))
 
     @rule(key=keys, fps=st.sampled_from([-1.0, 24.0, 60.0, float("nan")]))
     def fps(self, key, fps):
@@ -245,11 +246,11 @@ TestEditing = Editing.TestCase
 
 def test_each_side_has_its_own_settings_and_its_own_drags():
     document = Document()
-    a, b = QmdSettings(fdf=1), QmdSettings(fdf=2)
+    a, b = paper(fdf=1), paper(fdf=2)
     document.execute(SetCodecSettings(a, drag="fdf", side=Side.A))
-    document.execute(SetCodecSettings(replace(a, fdf=3), drag="fdf", side=Side.A))
+    document.execute(SetCodecSettings(paper(fdf=3), drag="fdf", side=Side.A))
     document.execute(SetCodecSettings(b, drag="fdf"))
-    assert (document.state.settings_of(Side.A).fdf, document.state.settings_of(Side.B)) == (3, b)
+    assert (document.state.settings_of(Side.A).coding.fdf, document.state.settings_of(Side.B)) == (3, b)
     assert len(document.history) == 2
     document.undo()
     document.undo()
@@ -258,15 +259,15 @@ def test_each_side_has_its_own_settings_and_its_own_drags():
 
 def test_settings_are_copied_either_way_and_undo_brings_both_back():
     document = Document()
-    document.execute(SetCodecSettings(QmdSettings(fdf=4)))
+    document.execute(SetCodecSettings(paper(fdf=4)))
     document.execute(CopySettings(Side.A))
     assert document.undo_text == "Copy settings to A"
-    assert document.state.codec_a == document.state.codec == QmdSettings(fdf=4)
-    document.execute(SetCodecSettings(QmdSettings(bits=9), side=Side.A))
+    assert document.state.codec_a == document.state.codec == paper(fdf=4)
+    document.execute(SetCodecSettings(paper(bits=9), side=Side.A))
     document.execute(CopySettings(Side.B))
-    assert document.state.codec == QmdSettings(bits=9)
+    assert document.state.codec == paper(bits=9)
     document.undo()
-    assert document.state.codec == QmdSettings(fdf=4)
+    assert document.state.codec == paper(fdf=4)
 
 
 def test_the_original_is_no_setting_for_b():
@@ -275,3 +276,16 @@ def test_the_original_is_no_setting_for_b():
         with pytest.raises(EditError):
             document.execute(command)
     assert document.history == ()
+
+
+def test_profile_and_reduction_are_part_of_a_side_and_of_its_undo():
+    document, compact = Document(), EncodeSettings(CompactSettings(mean_error_mm=0.3), Reduction(2, 5))
+    document.execute(SetCodecSettings(compact))
+    document.execute(CopySettings(Side.A))
+    assert document.state.codec_a == document.state.codec == compact
+    document.execute(SetCodecSettings(EncodeSettings(compact.coding)))
+    document.undo()
+    assert document.state.codec.reduction == Reduction(2, 5)
+    document.undo()
+    document.undo()
+    assert document.state.codec == EncodeSettings()

@@ -26,9 +26,9 @@ def assert_says_what_the_session_says(motion, base, points=POINTS):
     session, evaluator = TuningSession(motion), FastEvaluator(motion, base)
     for fdf, segment in points:
         for trial in evaluator.try_bits(fdf, segment, BITS):
-            report = session.evaluate(trial.settings)
-            assert trial.settings == report.settings
-            assert trial.bytes == report.size.bytes == evaluator.size(fdf, trial.settings.bits, segment)
+            report = session.evaluate(trial.paper)
+            assert trial.paper == report.settings
+            assert trial.bytes == report.size.bytes == evaluator.size(fdf, trial.paper.bits, segment)
             for name in ("def_", "mean_mm", "max_mm"):
                 assert getattr(trial, name) == pytest.approx(getattr(report.error, name), rel=1e-4, abs=1e-7), name
 
@@ -87,7 +87,7 @@ def test_an_encoder_without_kernels_is_tried_whole():
     motion, base = walker(100), QmdSettings()
     (whole,) = SessionEvaluator(motion, base).try_bits(6, 30, (9,))
     report = TuningSession(motion).evaluate(QmdSettings(6, 9, 30))
-    assert (whole.settings, whole.bytes, whole.def_) == (report.settings, report.size.bytes, report.error.def_)
+    assert (whole.paper, whole.bytes, whole.def_) == (report.settings, report.size.bytes, report.error.def_)
     assert not SessionEvaluator(motion, base).is_fast
 
 

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from qmd_studio.codecs.qmd.settings import QmdSettings
+from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.tuning.encoders import FAST_ENCODERS
 from qmd_studio.tuning.evaluator import evaluator_for
 from qmd_studio.tuning.exhaustive import exhaustive
@@ -15,7 +16,7 @@ from qmd_studio.tuning.pareto import Front, fronts
 from qmd_studio.tuning.trial import Trial
 from tests.generated_motion import walker
 
-TRIALS = st.lists(st.builds(Trial, st.just(QmdSettings()), st.integers(1, 40), *[st.integers(0, 30).map(float)] * 3))
+TRIALS = st.lists(st.builds(Trial, st.just(EncodeSettings()), st.integers(1, 40), *[st.integers(0, 30).map(float)] * 3))
 
 
 @given(TRIALS, TRIALS)
@@ -31,7 +32,7 @@ def test_every_trial_is_on_the_front_or_beaten_by_it(some, more):
 
 def test_the_knee_is_where_the_front_bends():
     points = [(100, 1000.0), (110, 10.0), (200, 8.0), (1000, 6.0), (10_000, 5.0)]
-    front = Front().with_trials([Trial(QmdSettings(), size, def_, 0, 0) for size, def_ in points])
+    front = Front().with_trials([Trial(EncodeSettings(), size, def_, 0, 0) for size, def_ in points])
     assert (front.knee.bytes, front.knee.def_) == (110, 10.0)
 
 

@@ -49,7 +49,7 @@ class StopAfter:
 def test_dance_on_the_papers_grid_gives_its_row_of_table_2():
     motion = open_file(corpus_file("cmu_asfamc/05_03.amc")).motion
     best = exhaustive(evaluator_of(motion, Encoder.PAPER), paper_grid(motion)).best
-    assert (best.settings.fdf, best.settings.bits, best.settings.segment) == (1, 8, 150)
+    assert (best.paper.fdf, best.paper.bits, best.paper.segment) == (1, 8, 150)
     assert best.bytes / 1024 == pytest.approx(30.8, abs=0.1)
     assert best.def_ == pytest.approx(21.2, rel=0.03)
 
@@ -76,7 +76,7 @@ def test_the_search_finds_the_best_of_a_generated_walk():
 def test_the_exhaustive_search_tries_every_setting_once_and_tells_how_far_it_is():
     motion, told = walker(100), []
     outcome = exhaustive(evaluator_of(motion), SMALL, on_progress=told.append)
-    settings = [(t.settings.fdf, t.settings.bits, t.settings.segment) for t in outcome.trials]
+    settings = [(t.paper.fdf, t.paper.bits, t.paper.segment) for t in outcome.trials]
     assert sorted(settings) == sorted((f, b, s) for f in SMALL.fdf for b in SMALL.bits for s in SMALL.segments)
     assert outcome.best.merit == min(trial.merit for trial in outcome.trials)
     assert [p.done for p in told] == sorted(p.done for p in told)

@@ -5,7 +5,6 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
-from qmd_studio.codecs.qmd.settings import QmdSettings
 from qmd_studio.motion.metrics import measure
 from qmd_studio.project.clip import Clip
 from qmd_studio.project.commands import AddClip, SetCodecSettings
@@ -14,6 +13,7 @@ from qmd_studio.project.playhead import Playhead
 from qmd_studio.registry import open_file
 from qmd_studio.ui.codec_lab import CodecLab
 from tests.generated_motion import walker
+from tests.paper_settings import paper
 
 
 class Asked:
@@ -76,7 +76,7 @@ def test_one_click_writes_what_was_measured_and_it_opens_with_that_error(qtbot, 
 
 def test_a_click_before_the_measurement_waits_for_it(qtbot, lab, document, tmp_path):
     settled(qtbot, lab)
-    document.execute(SetCodecSettings(QmdSettings(fdf=12, bits=10, segment=30)))
+    document.execute(SetCodecSettings(paper(fdf=12, bits=10, segment=30)))
     lab.export()  # unlike a click, this lets no result in meanwhile
     assert lab.exported == []
     assert lab.export_bar.notice.isVisible()
@@ -87,9 +87,9 @@ def test_a_click_before_the_measurement_waits_for_it(qtbot, lab, document, tmp_p
 
 def test_settings_changed_while_it_waits_are_those_that_are_written(qtbot, lab, document, tmp_path):
     settled(qtbot, lab)
-    document.execute(SetCodecSettings(QmdSettings(bits=12)))
+    document.execute(SetCodecSettings(paper(bits=12)))
     lab.export()
-    document.execute(SetCodecSettings(QmdSettings(fdf=3)))
+    document.execute(SetCodecSettings(paper(fdf=3)))
     settled(qtbot, lab)
     assert [path.name for path in lab.exported] == ["walk__fdf3_b8_nd99.qmd"]
     assert lab.exported[0].read_bytes() == lab.report.data

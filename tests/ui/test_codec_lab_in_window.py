@@ -5,9 +5,10 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Encoder
 from qmd_studio.project.commands import SetCodecSettings
 from qmd_studio.ui.view import View
+from tests.paper_settings import paper
 
 
 def settled(qtbot, window):
@@ -21,17 +22,17 @@ def picture(window):
 
 def test_arrows_step_a_knob_that_has_the_focus_and_frames_otherwise(qtbot, window, open_clip, bvh_file):
     open_clip(window, bvh_file)
-    slider = window.lab.knobs.bits.slider
+    slider = window.lab.knobs.paper.bits.slider
     slider.setFocus()
     QTest.keyClick(slider, Qt.Key.Key_Right)
-    assert (window.document.state.codec.bits, window.playhead.index) == (9, 0)
+    assert (window.document.state.codec.coding.bits, window.playhead.index) == (9, 0)
     QTest.keyClick(window.viewport, Qt.Key.Key_Right)
-    assert (window.document.state.codec.bits, window.playhead.index) == (9, 1)
+    assert (window.document.state.codec.coding.bits, window.playhead.index) == (9, 1)
 
 
 def test_the_decoded_motion_is_seen_beside_the_original(qtbot, window, open_clip, bvh_file):
     open_clip(window, bvh_file)
-    rough = QmdSettings(fdf=0, encoder=Encoder.PAPER, rqt=20)
+    rough = paper(fdf=0, encoder=Encoder.PAPER, rqt=20)
     window.document.execute(SetCodecSettings(rough))
     settled(qtbot, window)
     assert window.lab.report.error.max_mm > 10.0

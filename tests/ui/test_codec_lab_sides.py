@@ -7,14 +7,15 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
-from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
+from qmd_studio.codecs.qmd.settings import Encoder
 from qmd_studio.project.commands import SetCodecSettings
 from qmd_studio.project.state import Side
 from qmd_studio.render.heat import heat_colours
 from qmd_studio.ui.quantity import kilobytes
 from qmd_studio.ui.view import View
+from tests.paper_settings import paper
 
-ROUGH = QmdSettings(fdf=0, encoder=Encoder.PAPER, rqt=60)
+ROUGH = paper(fdf=0, encoder=Encoder.PAPER, rqt=60)
 
 
 def settled(qtbot, window):
@@ -110,7 +111,7 @@ def test_only_what_differs_is_seen_of_b_in_the_difference(qtbot, lab_window):
     hot = np.array(heat_colours(1.0)) * 255
     assert lab_window.views.comparison.legend.isVisible()
     warm = (np.abs(empty - hot).sum(axis=2) < 160).sum()
-    lab_window.document.execute(SetCodecSettings(QmdSettings(fdf=12)))
+    lab_window.document.execute(SetCodecSettings(paper(fdf=12)))
     settled(qtbot, lab_window)
     same = picture(lab_window)
     assert warm > 100
@@ -159,8 +160,8 @@ def test_side_a_is_the_original_until_it_is_encoded(qtbot, lab_window):
     settled(qtbot, lab_window)
     assert lab.knobs.isVisible()
     assert lab.sides[Side.A].report.settings == document.state.codec_a
-    lab.knobs.bits.slider.setValue(3)
-    assert (document.state.codec_a.bits, document.state.codec.bits) == (11, 8)
+    lab.knobs.paper.bits.slider.setValue(3)
+    assert (document.state.codec_a.coding.bits, document.state.codec.coding.bits) == (11, 8)
     settled(qtbot, lab_window)
     assert a.def_.change.text() != "" != b.def_.change.text()
     document.undo()
@@ -186,14 +187,14 @@ def test_an_undo_that_would_take_back_something_else_is_not_offered(lab_window):
     lab = lab_window.lab
     QTest.mouseClick(lab.head.copy, Qt.MouseButton.LeftButton)
     assert lab.note.isVisible()
-    lab.knobs.bits.slider.setValue(2)
+    lab.knobs.paper.bits.slider.setValue(2)
     assert not lab.note.isVisible()
 
 
 def test_the_strip_shows_b_against_a(qtbot, lab_window):
     strip = lab_window.strip
     against_original = strip.accessibleDescription()
-    set_a(lab_window, QmdSettings(fdf=0, encoder=Encoder.PAPER, rqt=20))
+    set_a(lab_window, paper(fdf=0, encoder=Encoder.PAPER, rqt=20))
     settled(qtbot, lab_window)
     against_encoding = strip.accessibleDescription()
     set_a(lab_window, ROUGH)
@@ -204,7 +205,7 @@ def test_the_strip_shows_b_against_a(qtbot, lab_window):
 
 
 def test_export_writes_b_whatever_side_is_edited(qtbot, lab_window, bvh_file):
-    set_a(lab_window, QmdSettings(bits=9))
+    set_a(lab_window, paper(bits=9))
     lab_window.lab.edit_side(Side.A)
     settled(qtbot, lab_window)
     lab_window.export_qmd()

@@ -306,7 +306,7 @@ def test_a_slow_motion_is_played_smoothly_and_rests_on_its_frames(window, open_c
 def test_the_focus_is_seen_wherever_tab_brings_it(window, open_clip, bvh_file):
     open_clip(window, bvh_file)
     window.viewport.finish()
-    knob = window.lab.knobs.bits
+    knob = window.lab.knobs.paper.bits
     ring = window.findChild(FocusRing)
     window.viewport.setFocus(Qt.FocusReason.MouseFocusReason)
     assert ring.isHidden(), "a click needs no ring"

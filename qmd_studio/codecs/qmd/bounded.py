@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from heapq import merge
+from threading import Event
 
 from qmd_studio.arrays import Float32Array
 from qmd_studio.codecs.qmd.bounded_fit import Fit, Fitter, Recipe
@@ -36,16 +37,18 @@ class _Found:
     segments: tuple[Segment, ...]
 
 
-def encode_bounded(matrix: Float32Array, skeleton: Skeleton, max_error_mm: float) -> Payload:
+def encode_bounded(
+    matrix: Float32Array, skeleton: Skeleton, max_error_mm: float, cancel: Event | None = None
+) -> Payload:
     """Encode (n_frames, n_columns) float32 radians and ASF units; every point stays within `max_error_mm`.
 
     The payload takes no more bytes than the best of a grid that meets the bound too: every FDF, every b, segments of
     any multiple of 30 rows and a single one, by either closed loop. Raises `CodecError` with the best bound that can
-    be met where this one cannot, and where there is nothing to measure at.
+    be met where this one cannot, and where there is nothing to measure at; `Cancelled` soon after `cancel` is set.
     """
     if not skeleton.points:
         raise CodecError("the skeleton has no points to hold to a bound", hint="Choose another encoder")
-    fitter = Fitter(matrix, skeleton, max_error_mm)
+    fitter = Fitter(matrix, skeleton, max_error_mm, cancel)
     best = _climbed(fitter)
     return Payload(matrix[0], _below(fitter, best).segments)
 

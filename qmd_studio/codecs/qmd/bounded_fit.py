@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from threading import Event
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from qmd_studio.codecs.qmd.payload import Segment
 from qmd_studio.codecs.qmd.settings import MIN_BITS
 from qmd_studio.codecs.qmd.size import SEGMENT_HEADER_BYTES, payload_size
 from qmd_studio.codecs.qmd.units import motion_matrix
+from qmd_studio.errors import Cancelled
 from qmd_studio.motion.fast_kinematics import point_positions_64
 from qmd_studio.motion.motion import ASF_UNIT_M
 from qmd_studio.motion.sensitivity import column_sensitivities
@@ -57,15 +59,17 @@ class _Run:
 class Fitter:
     """The motion `matrix` (n_frames, n_columns), float32 radians and ASF units, held to `max_error_mm`.
 
-    `first_pose` (n_columns,) is where every decoder starts.
+    `first_pose` (n_columns,) is where every decoder starts. Once `cancel` is set every fit raises `Cancelled`.
     """
 
-    def __init__(self, matrix: Float32Array, skeleton: Skeleton, max_error_mm: float) -> None:
+    def __init__(
+        self, matrix: Float32Array, skeleton: Skeleton, max_error_mm: float, cancel: Event | None = None
+    ) -> None:
         self.max_error_mm = max_error_mm
         self.n_rows: int = len(matrix) - 1
         self.n_columns = skeleton.n_columns
         self.first_pose: Float32Array = matrix[0]
-        self._matrix, self._skeleton = matrix, skeleton
+        self._matrix, self._skeleton, self._cancel = matrix, skeleton, cancel
         self._places = point_positions_64(skeleton, motion_matrix(matrix, skeleton))
         self._limit_mm = max_error_mm - self._rounding_mm
         self._chooser = lru_cache(maxsize=None)(self._make_chooser)
@@ -132,6 +136,8 @@ class Fitter:
         middles, state, choose = tables.middles(table), pose.copy(), self._chooser(recipe.fdf, by_joints)
         errors: list[FloatArray] = []
         for at in range(0, n_rows, _ROWS_AT_ONCE):
+            if self._cancel is not None and self._cancel.is_set():
+                raise Cancelled("the search for a bounded file was stopped")
             end = min(at + _ROWS_AT_ONCE, n_rows)
             part = self._matrix[rows.start + at : rows.start + end + 1]
             there = decoded[:, at + 1 : end + 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from threading import Event
 
 import numpy as np
 
@@ -73,11 +74,17 @@ def size_of(motion: Motion, settings: QmdSettings) -> SizeBreakdown:
 
 
 def encode_matrix(
-    matrix: Float32Array, skeleton: Skeleton, settings: QmdSettings, *, draft: bool = False
+    matrix: Float32Array,
+    skeleton: Skeleton,
+    settings: QmdSettings,
+    *,
+    draft: bool = False,
+    cancel: Event | None = None,
 ) -> EncodedMatrix:
     """Encode (n_frames, n_columns) float32 radians and ASF units on `skeleton`; `settings` are checked.
 
     A `draft`, for a slider that is being dragged, may take a quicker choice of the indices; its size is the same.
+    The bounded encoder, which takes long, raises `Cancelled` soon after `cancel` is set.
     """
     if matrix.shape[1] == 0:
         raise CodecError("the motion has no column to encode", hint="Open a motion whose joints move")
@@ -86,7 +93,7 @@ def encode_matrix(
     if settings.encoder is Encoder.BOUNDED:
         from qmd_studio.codecs.qmd.bounded import encode_bounded  # the search, and compiled code with it
 
-        found = encode_bounded(matrix, skeleton, settings.max_error_mm)
+        found = encode_bounded(matrix, skeleton, settings.max_error_mm, cancel)
         return EncodedMatrix(found, np.ascontiguousarray(decode_payload(found).T))
     refresh = DRAFT_REFRESH if draft else 1
     by_joints = settings.encoder is Encoder.CLOSED
