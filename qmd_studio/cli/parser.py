@@ -20,6 +20,7 @@ from qmd_studio.cli.grammar import (
     weight,
     wholes,
 )
+from qmd_studio.cli.parser_retarget import add_retarget
 from qmd_studio.codecs.qmd.settings import Encoder
 
 ENCODERS = tuple(str(encoder) for encoder in Encoder if encoder is not Encoder.BOUNDED)
@@ -54,6 +55,7 @@ def build_parser() -> ArgumentParser:
     _add_figure(verbs)
     _add_batch(verbs)
     _add_compare(verbs)
+    add_retarget(verbs)
     return parser
 
 
