@@ -6,10 +6,10 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft
-from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import SKIN
 from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import ShapeList, along_joints, capsule
+from qmd_studio.motion.joint_names import Limb
 
 _PALM: Profile = (
     (-0.06, 0.0240, 0.0165),

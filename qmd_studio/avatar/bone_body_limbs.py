@@ -8,10 +8,10 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft, smooth_table, superellipse
-from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import ACCENT, SKIN
 from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import ShapeList, along_joints, capsule, ellipsoid, tube
+from qmd_studio.motion.joint_names import Limb
 
 _THIGH: Profile = (
     (-0.13, 0.066, 0.070, 0.000),

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
-from qmd_studio.avatar.bone_body_names import Limb
+from qmd_studio.motion.joint_names import Limb
 
 _BENT_COSINE = 0.87
 _FOOT_COSINE = 0.55

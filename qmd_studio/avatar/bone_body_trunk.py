@@ -8,10 +8,10 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.bone_body_loft import Axis, Profile, loft
-from qmd_studio.avatar.bone_body_names import Limb
 from qmd_studio.avatar.bone_body_paint import ACCENT, EYE, SKIN
 from qmd_studio.avatar.bone_body_plan import BodyPlan
 from qmd_studio.avatar.bone_body_shapes import Shape, ShapeList, along_joints, ellipsoid, outward
+from qmd_studio.motion.joint_names import Limb
 
 _HIP_HALF_M, _SHOULDER_HALF_M = 0.096, 0.203
 _PELVIS: Profile = (

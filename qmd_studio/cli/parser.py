@@ -21,6 +21,7 @@ from qmd_studio.cli.grammar import (
     wholes,
 )
 from qmd_studio.cli.parser_render import add_render
+from qmd_studio.cli.parser_retarget import add_retarget
 from qmd_studio.codecs.qmd.settings import Encoder
 
 ENCODERS = tuple(str(encoder) for encoder in Encoder if encoder is not Encoder.BOUNDED)
@@ -56,6 +57,7 @@ def build_parser() -> ArgumentParser:
     _add_batch(verbs)
     _add_compare(verbs)
     add_render(verbs)
+    add_retarget(verbs)
     return parser
 
 
