@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     FORMATS: tuple[Format, ...]
 
 FORMAT_MODULES: tuple[str, ...] = (
+    "qmd_studio.formats.glb",
+    "qmd_studio.formats.gltf",
     "qmd_studio.formats.bvh",
     "qmd_studio.formats.asf_amc",
     "qmd_studio.formats.asf",
