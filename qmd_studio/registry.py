@@ -6,12 +6,14 @@ The modules are imported when a file is first opened or written, so that asking 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from qmd_studio import assets
 from qmd_studio.errors import FormatError, QmdStudioError
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.storage import read_bytes, write_atomic
@@ -34,6 +36,10 @@ FORMAT_MODULES: tuple[str, ...] = (
     "qmd_studio.formats.x3d",
 )
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
+
+DEFAULT_AVATAR = "ada"
+"""The avatar that stands there at first, and that any motion of a person is shown on."""
+_AVATAR_FILE = "avatar.x3d"
 
 SNIFFED_BYTES = 4096
 """How much of a file's beginning decides what it is."""
@@ -116,6 +122,44 @@ def encode_figure(suffix: str, body: Body, motion: Motion | None = None) -> byte
             hint="Retarget the motion to the body first",
         )
     return target.write_figure(body, motion)
+
+
+def avatar_names() -> tuple[str, ...]:
+    """Return the names of the avatars that ship, the default first."""
+    found = sorted(path.parent.name for path in assets.avatar().glob(f"*/{_AVATAR_FILE}"))
+    return tuple(sorted(found, key=lambda name: name != DEFAULT_AVATAR))
+
+
+def avatar_file(name: Path | str) -> Path:
+    """Return the file of the avatar that ships as `name`, or `name` as a path.
+
+    Raises `FormatError` where no such avatar ships.
+    """
+    if isinstance(name, Path) or not re.fullmatch(r"[\w-]+", name) or Path(name).exists():
+        return Path(name)
+    if name in avatar_names():
+        return assets.avatar(name, _AVATAR_FILE)
+    wanted = f"a file with a body, or {' or '.join(avatar_names()) or 'none'}"
+    raise FormatError("no avatar of this name ships", got=name, wanted=wanted)
+
+
+def open_body(name: Path | str) -> Loaded:
+    """Open a file with a body, or an avatar that ships, by its name; the latter is read once.
+
+    Raises as `open_file` and `avatar_file` do.
+    """
+    path = avatar_file(name)
+    return _open_avatar(path) if isinstance(name, str) and path != Path(name) else open_file(path)
+
+
+def default_body() -> Body | None:
+    """Return the body of the default avatar, read once; None where it does not ship."""
+    return open_body(DEFAULT_AVATAR).body if DEFAULT_AVATAR in avatar_names() else None
+
+
+@lru_cache(maxsize=8)
+def _open_avatar(path: Path) -> Loaded:
+    return open_file(path)
 
 
 def format_for(path: Path | str) -> Format:

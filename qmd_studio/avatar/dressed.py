@@ -1,14 +1,16 @@
-"""Which body a motion wears, and how the motion moves it."""
+"""A motion on a body: what is drawn of it, frame by frame."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
-from qmd_studio.avatar.bone_body import bone_body
+from qmd_studio.avatar.fit import Fit, fit, fit_bones
 from qmd_studio.avatar.humanoid import Body
+from qmd_studio.errors import FormatError
 from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.motion.motion import Motion
 
@@ -18,39 +20,40 @@ class Dressed:
     """A motion on a body. `note` says why it is not the body that was asked for, where it is not."""
 
     motion: Motion
-    body: Body
+    fit: Fit
     note: str = ""
 
-    def poses(self, frames: slice | list[int]) -> FloatArray:
-        """Return world_from_joint (n, n_joints, 4, 4) of the body in these frames, metres."""
-        return world_from_joint(self.body.skeleton, self.motion.X[frames])
+    @property
+    def body(self) -> Body:
+        """The body that is worn."""
+        return self.fit.body
+
+    def poses(self, frames: slice | Sequence[int]) -> FloatArray:
+        """Return world_from_joint (n, n_joints, 4, 4) of the body in these frames, upright, metres."""
+        return self.fit.pose(world_from_joint(self.motion.skeleton, self.motion.X[frames]))
 
     def morphs(self, frame: int) -> FloatArray:
-        """Return the weights of the body's displacers in one frame, (n_displacers,): the motion's, else the file's."""
-        columns = {column.name: index for index, column in enumerate(self.motion.skeleton.columns)}
-        row = self.motion.X[frame]
-        return np.array([row[columns[d.name]] if d.name in columns else d.weight for d in self.body.displacers])
+        """Return the weights of the body's displacers in one frame, (n_displacers,)."""
+        return morphs(self.body, self.motion, self.motion.X[frame])
 
 
 def dress(motion: Motion, body: Body | None) -> Dressed:
-    """Return `motion` on `body`, if the body has the very joints and columns that the motion moves.
-
-    Otherwise, and where `body` is None, the motion wears a body made from its own bones.
-    """
+    """Return `motion` on `body`, or on one made from its own bones where `body` is None or cannot follow it."""
     if body is None:
-        return Dressed(motion, bone_body(motion.skeleton))
-    if _moves(motion, body):
-        return Dressed(motion, body)
-    note = f"{body.name or 'the body'} has other joints than the motion, which is shown on a body made from its bones"
-    return Dressed(motion, bone_body(motion.skeleton), note)
+        return Dressed(motion, fit_bones(motion))
+    try:
+        return Dressed(motion, fit(motion, body))
+    except FormatError as problem:
+        note = f"{body.name or 'the body'} cannot follow the motion: {problem.message}; a body of its bones does"
+        return Dressed(motion, fit_bones(motion), note)
 
 
-def _moves(motion: Motion, body: Body) -> bool:
-    ours, theirs = motion.skeleton, body.skeleton
-    if ours == theirs:
-        return True
-    tree = [(joint.name, joint.parent) for joint in ours.joints]
-    columns = [(column.name, column.joint, column.axis, column.kind) for column in ours.columns]
-    return tree == [(joint.name, joint.parent) for joint in theirs.joints] and columns == [
-        (column.name, column.joint, column.axis, column.kind) for column in theirs.columns
-    ]
+def morphs(body: Body, motion: Motion, row: FloatArray) -> FloatArray:
+    """Return the weights of the body's displacers (n_displacers,) in a pose `row` (n_columns,) of `motion`.
+
+    A displacer's weight is the value of the motion's column of its name, and else what its file has.
+    """
+    if not body.displacers:
+        return np.zeros(0)
+    columns = {column.name: index for index, column in enumerate(motion.skeleton.columns)}
+    return np.array([row[columns[d.name]] if d.name in columns else d.weight for d in body.displacers])

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from qmd_studio import assets, storage
+from qmd_studio import storage
 from qmd_studio.avatar.dressed import Dressed, dress
 from qmd_studio.cli.grammar import UsageError
 from qmd_studio.cli.load import open_any
@@ -21,6 +21,7 @@ from qmd_studio.cli.report import Report, Value, in_bytes
 from qmd_studio.errors import FormatError
 from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.motion.motion import Motion
+from qmd_studio.registry import open_body
 from qmd_studio.render.contact_sheet import contact_sheet
 from qmd_studio.render.film import MAX_GIF_FPS, gif, mp4
 from qmd_studio.render.png import png
@@ -88,7 +89,7 @@ def _dressed(arguments: Namespace) -> tuple[Dressed, tuple[str, ...], tuple[str,
     loaded = open_any(arguments.input, skeleton=arguments.skeleton)
     body, warnings, notes = loaded.body, loaded.warnings, loaded.notes
     if arguments.body:
-        asked = open_any(_body_path(arguments.body))
+        asked = open_body(arguments.body)
         if asked.body is None:
             raise FormatError("the file holds no body", path=arguments.body, wanted="an avatar")
         body, warnings = asked.body, warnings + asked.warnings
@@ -97,19 +98,6 @@ def _dressed(arguments: Namespace) -> tuple[Dressed, tuple[str, ...], tuple[str,
         raise FormatError("the motion has no frames", path=arguments.input)
     dressed = dress(motion, body)
     return dressed, warnings, (*notes, dressed.note) if dressed.note else notes
-
-
-def _body_path(name: str) -> str:
-    """Return the file that is meant by a path or by the name of an avatar that ships."""
-    if Path(name).is_file():
-        return name
-    shipped = assets.avatar(name, "avatar.x3d")
-    if re.fullmatch(r"[\w-]+", name) and shipped.is_file():
-        return str(shipped)
-    folder = assets.avatar()
-    known = sorted(path.name for path in folder.iterdir() if (path / "avatar.x3d").is_file()) if folder.is_dir() else []
-    wanted = "a file with a body" + (f", or {' or '.join(known)}" if known else "")
-    raise FormatError("there is no such body", path=name, wanted=wanted)
 
 
 def _frames(chosen: FrameChoice | None, motion: Motion, kind: str, fps: float | None) -> tuple[list[int], float]:

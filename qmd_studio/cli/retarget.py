@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
-from qmd_studio import assets, registry, storage
+from qmd_studio import registry, storage
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.avatar.upright import upright
-from qmd_studio.cli.load import open_any, open_motion
+from qmd_studio.cli.load import open_motion
 from qmd_studio.cli.report import Report, Value
 from qmd_studio.cli.save import save_motion
 from qmd_studio.errors import FormatError
@@ -57,7 +56,7 @@ def _target(name: str | None, output: Path) -> tuple[Skeleton, Body | None, tupl
     """Return the skeleton to move, the body it is of where there is one, and the warnings about its file."""
     if name is None:
         return bap_skeleton(), None, ()
-    loaded = open_any(str(_avatar_file(name)))
+    loaded = registry.open_body(name)
     if output.suffix.lower() == ".bap" and all(column.bap_id is None for column in loaded.skeleton.columns):
         if not is_hanim(loaded.skeleton):
             raise FormatError(
@@ -68,20 +67,6 @@ def _target(name: str | None, output: Path) -> tuple[Skeleton, Body | None, tupl
             )
         return bap_skeleton_like(loaded.skeleton), None, loaded.warnings
     return loaded.skeleton, loaded.body, loaded.warnings
-
-
-def _avatar_file(name: str) -> Path:
-    """Return the file of an avatar that ships, or `name` as a path."""
-    if re.fullmatch(r"[\w-]+", name) and not Path(name).exists():
-        shipped = assets.avatar(name, "avatar.x3d")
-        if not shipped.exists():
-            folder = assets.avatar()
-            names = sorted(p.parent.name for p in folder.glob("*/avatar.x3d"))
-            raise FormatError(
-                "no avatar of this name ships", got=name, wanted=f"a file, or {', '.join(names) or 'none'}"
-            )
-        return shipped
-    return Path(name)
 
 
 def _map(name: str | None, source: Skeleton, target: Skeleton) -> JointMap | None:

@@ -9,10 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
+from qmd_studio.avatar.fit import fit
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.errors import EditError
 from qmd_studio.motion.motion import FRAME_RATES
-from qmd_studio.project.clip import Clip
+from qmd_studio.project.clip import Clip, Outfit
 from qmd_studio.project.state import DocumentState, Side
 from qmd_studio.tuning.encode_settings import EncodeSettings
 
@@ -176,7 +177,8 @@ class SetLengthUnit:
         if math.isclose(factor, 1.0, rel_tol=1e-12):
             return state
         body = None if clip.body is None else _scaled_body(clip.body, factor)
-        return state.with_clip(replace(clip, motion=clip.motion.scaled(factor), body=body))
+        outfit = replace(clip.outfit, avatar=body) if clip.outfit.avatar is clip.body else clip.outfit
+        return state.with_clip(replace(clip, motion=clip.motion.scaled(factor), body=body, outfit=outfit))
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +199,28 @@ class SetFps:
         if clip.motion.fps == self.fps:
             return state
         return state.with_clip(replace(clip, motion=replace(clip.motion, fps=self.fps)))
+
+
+@dataclass(frozen=True, slots=True)
+class WearBody:
+    """Show the clip `key` in `outfit`; its motion stays as it is."""
+
+    key: int
+    outfit: Outfit
+    merge_key: None = None
+
+    @property
+    def label(self) -> str:
+        """The change in a few words."""
+        return f"Wear {self.outfit.name or 'bones'}"
+
+    def apply(self, state: DocumentState) -> DocumentState:
+        """Return the state with the clip in its outfit; raises `FormatError` where the body cannot follow it."""
+        clip = state.clip(self.key)
+        if self.outfit.avatar is not None:
+            reference = self.outfit.reference(clip.motion)
+            fit(clip.motion, self.outfit.avatar, joint_map=self.outfit.joint_map, reference=reference)
+        return state.with_clip(replace(clip, outfit=self.outfit))
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.dressed import Dressed
-from qmd_studio.avatar.upright import upright
 from qmd_studio.render.camera import Camera
 from qmd_studio.render.ground import ground_height
 from qmd_studio.render.offscreen import OffscreenRenderer
@@ -37,13 +36,12 @@ def shoot(dressed: Dressed, frames: Sequence[int], shot: Shot) -> Iterator[NDArr
 
     Raises `GraphicsError` where the machine has nothing to draw with.
     """
-    turn = upright(dressed.motion)
-    ground = ground_height(dressed.motion, dressed.body, turn)
-    camera, start = _framed(dressed, frames, (turn, shot))
+    ground = ground_height(dressed.motion, dressed.fit)
+    camera, start = _framed(dressed, frames, shot)
     quality = FINE if len(frames) == 1 else LADDER[1]
     with OffscreenRenderer() as renderer:
         for frame in frames:
-            actor = _actor(dressed, frame, turn, shot.look)
+            actor = _actor(dressed, frame, shot.look)
             moved = _root(actor) - start
             scene = Scene(
                 (actor,),
@@ -57,19 +55,18 @@ def shoot(dressed: Dressed, frames: Sequence[int], shot: Shot) -> Iterator[NDArr
             yield renderer.picture(scene, camera.carried(moved), shot.size, quality=quality, pixel_ratio=ratio)
 
 
-def _framed(dressed: Dressed, frames: Sequence[int], how: tuple[FloatArray, Shot]) -> tuple[Camera, FloatArray]:
+def _framed(dressed: Dressed, frames: Sequence[int], shot: Shot) -> tuple[Camera, FloatArray]:
     """Return the camera that holds every frame when it goes along, and where the figure stands in its picture."""
-    turn, shot = how
     some = [frames[k] for k in np.linspace(0, len(frames) - 1, min(len(frames), _FRAMED_BY)).astype(int)]
-    actors = [_actor(dressed, frame, turn, shot.look) for frame in some]
+    actors = [_actor(dressed, frame, shot.look) for frame in some]
     start = _root(actors[0])
     points = np.concatenate([posed_extremes(actor) - (_root(actor) - start) for actor in actors])
     return Camera().preset(shot.view).frame(points, shot.size[0] / shot.size[1]), start
 
 
-def _actor(dressed: Dressed, frame: int, turn: FloatArray, look: Look) -> Actor:
-    world = turn @ dressed.poses([frame])[0]
-    return Actor(dressed.body, world, look=look, morphs=dressed.morphs(frame), world_from_figure=turn)
+def _actor(dressed: Dressed, frame: int, look: Look) -> Actor:
+    world, figure = dressed.poses([frame])[0], dressed.fit.world_from_figure
+    return Actor(dressed.body, world, look=look, morphs=dressed.morphs(frame), world_from_figure=figure)
 
 
 def _root(actor: Actor) -> FloatArray:

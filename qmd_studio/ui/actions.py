@@ -22,6 +22,7 @@ class Needs(StrEnum):
     CLIP = "clip"
     FRAMES = "more than one frame"
     SELECTION = "a selected joint"
+    AVATAR = "a body other than the clip's own"
     DECODED = "a decoded motion"
     UNDO = "a step to take back"
     REDO = "a step taken back"
@@ -103,6 +104,11 @@ VERBS: tuple[Verb, ...] = (
     Verb("range_clear", "&Clear range", "animate", 5, "Play the whole clip again", ("Alt+P",), "", _F),
     Verb("slower", "Slowe&r", "animate", 6, "Halve the speed, to a tenth at most", ("Ctrl+Down",), "", _F),
     Verb("faster", "F&aster", "animate", 6, "Double the speed, to four times at most", ("Ctrl+Up",), "", _F),
+    Verb("wear_default", "&Default avatar", "body", 1, "Show the clip on the avatar that the studio starts with", (), "body", _C),
+    Verb("wear_bones", "Made from &bones", "body", 1, "Show the clip on a body made from its own bones", (), "", _C),
+    Verb("wear_file", "Body from a &file…", "body", 1, "Show the clip on the body of an H-Anim or GLB file", (), "", _C),
+    Verb("joint_map", "&Joint map…", "body", 2, "See and edit which joint of the motion moves which of the body", (), "", Needs.AVATAR),
+    Verb("bake", "Ba&ke onto the body", "body", 2, "Make a new clip of the motion as the body makes it, in body animation parameters", (), "", Needs.AVATAR),
     Verb("reset_codec", "&Reset settings", "compress", 2, "Set FDF, b, n_d and the encoder back to what they were at first", (), "", _C),
     Verb("encoder_closed", "&Closed loop", "encoder", 1, "The indices of a frame together put the joints where they were", (), "", _C, True, "encoder"),
     Verb("encoder_plain", "P&lain loop", "encoder", 1, "Each index makes up for its own column's error so far", (), "", _C, True, "encoder"),

@@ -46,7 +46,9 @@ def ask_export(parent: QWidget, suggested: Path) -> Path | None:
     from qmd_studio.registry import FORMATS
 
     filters = [
-        f"{format_.title} ({' '.join(f'*{s}' for s in format_.suffixes)})" for format_ in FORMATS if format_.write
+        f"{format_.title} ({' '.join(f'*{s}' for s in format_.suffixes)})"
+        for format_ in FORMATS
+        if format_.write or format_.write_figure
     ]
     name, chosen = QFileDialog.getSaveFileName(parent, _tr("Export as"), str(suggested), ";;".join(filters))
     if not name:

@@ -67,7 +67,7 @@ class FileDesk(QObject):
         path = ask_export(parent, self._settings.folder("export") / f"{clip.name}.bvh")
         if path is not None:
             self._settings.set_folder("export", path.parent)
-            self._saver.save(path, clip.motion)
+            self._saver.save(path, clip)
 
     def cancel(self) -> None:
         """Drop what is being opened; what is being written is finished."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from threading import Event
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, Qt, QTimer, Signal
@@ -18,11 +17,13 @@ from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import DocumentState
 from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.ui.actions import Actions, Needs
-from qmd_studio.ui.background import Background, Tell
+from qmd_studio.ui.background import Background
 from qmd_studio.ui.banner import BannerArea
+from qmd_studio.ui.body_panel import BodyPanel
 from qmd_studio.ui.clip_panel import ClipPanel
 from qmd_studio.ui.dialogs import AboutDialog, ShortcutsDialog
 from qmd_studio.ui.dock_title import DockTitle
+from qmd_studio.ui.dressing_room import DressingRoom
 from qmd_studio.ui.drop import DropHighlight, dropped_files, dropped_folders
 from qmd_studio.ui.encoder_verbs import encoder_handlers, encoder_verb
 from qmd_studio.ui.file_desk import FileDesk
@@ -35,13 +36,14 @@ from qmd_studio.ui.outliner import Outliner
 from qmd_studio.ui.panels import LAB_MIN_WIDTH, arrange, dock, scrolling
 from qmd_studio.ui.player import Player
 from qmd_studio.ui.settings import LAYOUT_VERSION, Settings
-from qmd_studio.ui.stage import Stage, prepare_default_body
+from qmd_studio.ui.stage import Stage, prepare_furnishing
 from qmd_studio.ui.status import StatusBar
 from qmd_studio.ui.theme import Theme, ThemeSwitch
 from qmd_studio.ui.timeline import Timeline
 from qmd_studio.ui.transport import transport_handlers
 from qmd_studio.ui.view_switch import ViewSwitch
 from qmd_studio.ui.viewport import Viewport
+from qmd_studio.ui.wardrobe import Wardrobe
 
 if TYPE_CHECKING:
     from qmd_studio.ui.codec_lab import CodecLab
@@ -81,6 +83,7 @@ class MainWindow(QMainWindow):
         self._make_bars()
         self.stage = Stage(self.viewport, self.playhead, self)
         self.views, self.looks = ViewSwitch(self), LookSwitch(self)
+        self.dressing = DressingRoom(self)
         self.player = Player(self.playhead, self)
         self.verbs.connect_all(self._handlers())
         self.verbs["follow"].setChecked(self.stage.follows)
@@ -113,12 +116,15 @@ class MainWindow(QMainWindow):
 
     def _make_panels(self) -> None:
         self.outliner, self.clip_panel = Outliner(self.document), ClipPanel(self.document)
+        self.wardrobe = Wardrobe(self)
+        self.body_panel = BodyPanel(self.document, self.playhead, self.wardrobe)
         room = QWidget()
         room.setMinimumWidth(LAB_MIN_WIDTH)
         self.outliner_dock = dock(self, "OutlinerDock", self.tr("Outliner"), self.outliner)
         self.clip_dock = dock(self, "ClipDock", self.tr("Clip"), scrolling(self.clip_panel))
+        self.body_dock = dock(self, "BodyDock", self.tr("Body"), scrolling(self.body_panel))
         self.lab_dock = dock(self, "LabDock", self.tr("Codec lab"), room)
-        arrange(self, self.outliner_dock, self.clip_dock, self.lab_dock)
+        arrange(self, self.outliner_dock, (self.clip_dock, self.body_dock), self.lab_dock)
 
     def _make_bars(self) -> None:
         self.menus = Menus(
@@ -128,7 +134,8 @@ class MainWindow(QMainWindow):
             open_recent=lambda path: self.open_paths([path]),
             clear_recent=self.settings.clear_recent,
         )
-        self.menus.add_panels([d.toggleViewAction() for d in (self.outliner_dock, self.clip_dock, self.lab_dock)])
+        docks = (self.outliner_dock, self.clip_dock, self.body_dock, self.lab_dock)
+        self.menus.add_panels([d.toggleViewAction() for d in docks])
         self.tools = tool_bar(self, self.verbs)
         self.addToolBar(self.tools)
         self.status = StatusBar(self.playhead)
@@ -159,6 +166,7 @@ class MainWindow(QMainWindow):
             "orthographic": self.viewport.toggle_orthographic,
             **self.views.handlers(),
             **self.looks.handlers(),
+            **self.dressing.handlers(),
             **{f"theme_{theme}": lambda t=theme: self._choose_theme(t) for theme in Theme},
             "full_screen": self._toggle_full_screen,
             "reset_layout": self.reset_layout,
@@ -185,7 +193,7 @@ class MainWindow(QMainWindow):
         self.viewport.failed.connect(lambda message: self.show_problem(QmdStudioError(message)))
         self.outliner.joint_selected.connect(self._select_joint)
         self.outliner.warnings_wanted.connect(self.show_warnings)
-        for panel in (self.outliner, self.clip_panel, self.timeline):
+        for panel in (self.outliner, self.clip_panel, self.body_panel, self.timeline):
             panel.refused.connect(self.show_problem)
 
     # After the first picture
@@ -311,6 +319,7 @@ class MainWindow(QMainWindow):
             Needs.CLIP: clip is not None,
             Needs.FRAMES: clip is not None and clip.motion.n_frames > 1,
             Needs.SELECTION: clip is not None and self.viewport.scene.selected is not None,
+            Needs.AVATAR: clip is not None and clip.outfit.avatar not in (None, clip.body),
             Needs.DECODED: self.stage.has_decoded,
             Needs.UNDO: self.document.can_undo,
             Needs.REDO: self.document.can_redo,
@@ -318,11 +327,11 @@ class MainWindow(QMainWindow):
         self.verbs.enable({need for need, there in present.items() if there})
 
     def _pick_joint(self, joint: int) -> None:
-        self.outliner.select_joint(joint)
+        self.outliner.select_joint(self.stage.joint_of_clip(joint))
         self.enable_verbs()
 
     def _select_joint(self, joint: int) -> None:
-        self.viewport.select_joint(joint)
+        self.viewport.select_joint(self.stage.joint_of_body(joint))
         self.enable_verbs()
 
     # The look
@@ -360,7 +369,7 @@ class MainWindow(QMainWindow):
     def reset_layout(self) -> None:
         """Put every panel back where it was at first."""
         self.restoreState(self._first_state, LAYOUT_VERSION)
-        arrange(self, self.outliner_dock, self.clip_dock, self.lab_dock)
+        arrange(self, self.outliner_dock, (self.clip_dock, self.body_dock), self.lab_dock)
 
     def _restore_layout(self) -> None:
         layout = self.settings.layout()
@@ -379,13 +388,8 @@ class MainWindow(QMainWindow):
         self.settings.sync()
         self.files.finish()
         self._furnishing.close()
+        self.wardrobe.close_down()
+        self.dressing.close_down()
         if self.lab is not None:
             self.lab.close_down()
         super().closeEvent(event)
-
-
-def prepare_furnishing(_stop: Event, _tell: Tell) -> None:
-    """Import and make what furnishes the window, as far as this can be done beside it."""
-    import qmd_studio.ui.furnishing  # noqa: F401
-
-    prepare_default_body()

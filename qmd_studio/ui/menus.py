@@ -71,6 +71,7 @@ class Menus(QObject):
         view.insertMenu(self._actions["heat_map"], self._menu(self.tr("&Compare by"), "compare"))
         view.insertMenu(self._actions["full_screen"], self._menu(self.tr("T&heme"), "theme"))
         bar.addMenu(self._menu(self.tr("&Animate"), "animate"))
+        bar.addMenu(self._menu(self.tr("&Body"), "body"))
         compress = bar.addMenu(self._menu(self.tr("&Compress"))).menu()
         compress.addAction(self._actions["export_qmd"])
         compress.addSeparator()

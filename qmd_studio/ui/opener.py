@@ -109,10 +109,10 @@ class _Reading(QRunnable):
 def read_clip(path: Path) -> Clip:
     """Return the clip of the file `path`, with all that showing it needs made ready; raises `QmdStudioError`."""
     from qmd_studio.project.clip import clip_from
-    from qmd_studio.registry import open_file
+    from qmd_studio.registry import default_body, open_file
     from qmd_studio.ui.stage import prepare
 
-    clip = clip_from(open_file(path), path)
+    clip = clip_from(open_file(path), path, default_body())
     prepare(clip)  # here, so that the window does not wait for it
     return clip
 

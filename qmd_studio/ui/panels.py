@@ -39,13 +39,17 @@ def scrolling(content: QWidget) -> QScrollArea:
     return area
 
 
-def arrange(window: QMainWindow, outliner: QDockWidget, clip: QDockWidget, lab: QDockWidget) -> None:
-    """Put the docks where they are at first: outliner over clip on the left, the lab on the right."""
+def arrange(window: QMainWindow, outliner: QDockWidget, below: tuple[QDockWidget, ...], lab: QDockWidget) -> None:
+    """Put the docks where they are at first: outliner over those `below` it on the left, the lab on the right."""
     left, right = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
-    for panel, area in ((outliner, left), (clip, left), (lab, right)):
+    clip, *others = below
+    for panel, area in ((outliner, left), *((panel, left) for panel in below), (lab, right)):
         panel.setFloating(False)
         window.addDockWidget(area, panel)
         panel.show()
     window.splitDockWidget(outliner, clip, Qt.Orientation.Vertical)
+    for panel in others:
+        window.tabifyDockWidget(clip, panel)
+    clip.raise_()
     window.resizeDocks([outliner, lab], [OUTLINER_WIDTH, LAB_WIDTH], Qt.Orientation.Horizontal)
     window.resizeDocks([outliner, clip], [400, 300], Qt.Orientation.Vertical)

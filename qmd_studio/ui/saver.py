@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, QRunnable, QThreadPool, Signal
 
 from qmd_studio.errors import QmdStudioError
-from qmd_studio.motion.motion import Motion
+from qmd_studio.project.clip import Clip
 
 _log = logging.getLogger(__name__)
 
@@ -34,13 +34,20 @@ class Saver(QObject):
         self._messages.done.connect(self._finish)
         self._messages.failed.connect(self._fail)
 
-    def save(self, path: Path, motion: Motion) -> None:
-        """Start to write `motion` to `path` in the format of its suffix; returns at once."""
+    def save(self, path: Path, clip: Clip) -> None:
+        """Start to write `clip` to `path` in the format of its suffix; returns at once.
+
+        Formats that hold a body take the one that is worn, and the motion as that body makes it.
+        """
 
         def write() -> None:
-            from qmd_studio.registry import save_motion
+            from qmd_studio.project.baking import figure_of, motion_for
+            from qmd_studio.registry import format_for, save_figure, save_motion
 
-            save_motion(path, motion)
+            if format_for(path).write_figure is not None:
+                save_figure(path, *figure_of(clip))
+            else:
+                save_motion(path, motion_for(clip, path.suffix))
 
         self.busy_changed.emit(path.name)
         self._pool.start(_Writing(path, write, self._messages))

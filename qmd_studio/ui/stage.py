@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from threading import Event
 
 import numpy as np
 from PySide6.QtCore import QObject
 
 from qmd_studio.arrays import Float32Array, FloatArray
-from qmd_studio.avatar.humanoid import Body
-from qmd_studio.avatar.upright import upright
+from qmd_studio.avatar.dressed import morphs
+from qmd_studio.avatar.fit import Fit, fit, fit_bones
 from qmd_studio.motion.in_between import in_between
 from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.motion.motion import Motion
 from qmd_studio.motion.skeleton import Skeleton
-from qmd_studio.project.clip import Clip
+from qmd_studio.project.clip import Clip, Outfit
 from qmd_studio.project.playhead import Playhead
 from qmd_studio.project.state import Side
 from qmd_studio.render.ground import ground_height
 from qmd_studio.render.panes import Layout
 from qmd_studio.render.scene import Actor
 from qmd_studio.tuning.joint_heat import heat_of, joint_errors
+from qmd_studio.ui.background import Tell
 from qmd_studio.ui.view import LAYOUTS, View
 from qmd_studio.ui.viewport import Viewport
 
@@ -55,7 +57,7 @@ class Stage(QObject):
         self._heated, self._range_mm = False, DEFAULT_RANGE_MM
         self._follows = True
         self._stands_at: FloatArray | None = None
-        self._upright = np.eye(4)
+        self._fit: Fit | None = None
         self._default: list[Actor] = []
         self.kinematics: Callable[[Skeleton, FloatArray], FloatArray] = world_from_joint
         """What poses the bodies: NumPy until the compiled path is warm, which takes longer than the first picture."""
@@ -119,7 +121,8 @@ class Stage(QObject):
             self._stands_at = None  # another body: the camera is framed anew, not carried there
         if clip is None or before is None or clip.motion is not before.motion:
             self._takes, self._difference = {}, None
-            self._upright, ground = standing_of(clip) if clip is not None else (np.eye(4), 0.0)
+        if clip is None or before is None or (clip.motion, clip.outfit) != (before.motion, before.outfit):
+            self._fit, ground = standing_of(clip) if clip is not None else (None, 0.0)
             self._viewport.set_ground_height(ground)
         self._pose()
 
@@ -137,12 +140,16 @@ class Stage(QObject):
 
     def show_default_body(self) -> None:
         """Let the default body stand, from now on, wherever nothing is open."""
-        from qmd_studio.motion.bap import bap_skeleton
-        from qmd_studio.motion.bap_ease import at_ease
-
-        skeleton = bap_skeleton()
-        self._default = [Actor(_made(skeleton), world_from_joint(skeleton, at_ease()[None])[0])]
+        self._default = [default_actor()]
         self._pose()
+
+    def joint_of_clip(self, joint: int) -> int:
+        """Return the joint of the shown clip that moves `joint` of its body, -1 for none."""
+        return int(self._fit.moved_by[joint]) if self._fit is not None and joint >= 0 else -1
+
+    def joint_of_body(self, joint: int) -> int:
+        """Return the joint of the shown clip's body on which `joint` of the clip is seen, -1 for none."""
+        return int(self._fit.shown_by[joint]) if self._fit is not None and joint >= 0 else -1
 
     def _pose(self, _index: int = 0) -> None:
         if self._clip is None:
@@ -157,10 +164,12 @@ class Stage(QObject):
 
     def _actor(self, side: Side, view: View, clip: Clip) -> Actor:
         """Return the body of `side` in its pose, painted as `view` has it."""
-        take = self._takes.get(side)
-        world = self._matrices(clip.motion if take is None else take.decoded())
-        body = body_of(clip)
-        actor = Actor(body, world, world_from_figure=self._upright)
+        take, worn = self._takes.get(side), self._fit
+        assert worn is not None
+        motion = clip.motion if take is None else take.decoded()
+        row = self._row(motion)
+        world = worn.pose(self.kinematics(motion.skeleton, row[None]))[0]
+        actor = Actor(worn.body, world, world_from_figure=worn.world_from_figure, morphs=morphs(worn.body, motion, row))
         if view is View.DIFFERENCE and side is Side.A:
             return replace(actor, tint=_GREY, alpha=_FAINT, ghost=True)
         if view is View.DIFFERENCE:
@@ -172,7 +181,8 @@ class Stage(QObject):
         if distance_mm is None or self._clip is None:
             return None
         frame = min(self._playhead.index, len(distance_mm) - 1)
-        return heat_of(joint_errors(self._clip.motion.skeleton, distance_mm, frame), self._range_mm)
+        errors = joint_errors(self._clip.motion.skeleton, distance_mm, frame)
+        return heat_of(self._fit.on_body(errors) if self._fit is not None else errors, self._range_mm)
 
     def _carry_camera(self, root: FloatArray) -> None:
         before, self._stands_at = self._stands_at, root.copy()
@@ -181,31 +191,37 @@ class Stage(QObject):
             moved[1] = 0.0  # a jump is seen as one
             self._viewport.carry_camera(moved)
 
-    def _matrices(self, motion: Motion) -> FloatArray:
+    def _row(self, motion: Motion) -> FloatArray:
+        """The pose (n_columns,) at the playhead, between two frames where it is."""
         index = min(self._playhead.index, motion.n_frames - 1)
         row, share = motion.X[index], self._playhead.share
         if share > 0.0 and index + 1 < motion.n_frames and motion.fps < _SMOOTH_FPS:
             row = in_between(motion.skeleton, row, motion.X[index + 1], share)
-        return self._upright @ self.kinematics(motion.skeleton, row[None])[0]
+        return np.asarray(row)
 
 
-def body_of(clip: Clip) -> Body:
-    """Return the clip's own body, or the one made from its bones."""
-    return clip.body if clip.body is not None else _made(clip.motion.skeleton)
+def standing_of(clip: Clip) -> tuple[Fit, float]:
+    """Return how the clip's body follows it, and the height of the ground under it, metres."""
+    return _standing(clip.motion, clip.outfit)
 
 
-def standing_of(clip: Clip) -> tuple[FloatArray, float]:
-    """Return the rotation (4, 4) that stands the clip up and the height of the ground under it, metres."""
-    return _standing(clip.motion, body_of(clip))
-
-
-def prepare_default_body() -> None:
-    """Make and remember the default body, on whatever thread this is called: it takes a fifth of a second."""
+@lru_cache(maxsize=1)
+def default_actor() -> Actor:
+    """Return the default body, standing at ease: made once, on whatever thread first asks, for it takes a while."""
     from qmd_studio.motion.bap import bap_skeleton
     from qmd_studio.motion.bap_ease import at_ease
+    from qmd_studio.registry import default_body
 
-    _made(bap_skeleton())
-    at_ease()
+    motion, body = Motion(bap_skeleton(), at_ease()[None], 30.0), default_body()
+    worn = fit_bones(motion) if body is None else fit(motion, body)
+    return Actor(worn.body, worn.pose(world_from_joint(motion.skeleton, motion.X))[0])
+
+
+def prepare_furnishing(_stop: Event, _tell: Tell) -> None:
+    """Import and make what furnishes the window, as far as this can be done beside it."""
+    import qmd_studio.ui.furnishing  # noqa: F401
+
+    default_actor()
 
 
 def prepare(clip: Clip) -> None:
@@ -214,13 +230,9 @@ def prepare(clip: Clip) -> None:
 
 
 @lru_cache(maxsize=16)
-def _standing(motion: Motion, body: Body) -> tuple[FloatArray, float]:
-    turn = upright(motion)
-    return turn, ground_height(motion, body, turn)
-
-
-@lru_cache(maxsize=16)
-def _made(skeleton: Skeleton) -> Body:
-    from qmd_studio.avatar.bone_body import bone_body  # not needed for the first picture
-
-    return bone_body(skeleton)
+def _standing(motion: Motion, outfit: Outfit) -> tuple[Fit, float]:
+    if outfit.avatar is None:
+        worn = fit_bones(motion)
+    else:
+        worn = fit(motion, outfit.avatar, joint_map=outfit.joint_map, reference=outfit.reference(motion))
+    return worn, ground_height(motion, worn)

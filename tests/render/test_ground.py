@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from qmd_studio.avatar.bone_body import bone_body
+from qmd_studio.avatar.fit import fit_bones
 from qmd_studio.motion.bap import bap_skeleton, column_of
 from qmd_studio.motion.motion import Motion
 from qmd_studio.render.ground import ground_height
@@ -17,17 +17,21 @@ def standing(height, n_frames=5):
     return Motion(bap_skeleton(), values, 30.0)
 
 
+def ground(motion):
+    return ground_height(motion, fit_bones(motion))
+
+
 def test_a_figure_on_the_floor_has_the_ground_at_zero():
-    assert ground_height(standing(0.0), bone_body(bap_skeleton()), np.eye(4)) == 0.0
+    assert ground(standing(0.0)) == 0.0
 
 
 def test_a_jump_leaves_the_ground_where_it_is():
     motion = standing(0.0)
     values = motion.X.copy()
     values[2, column_of(VERTICAL)] = 0.6
-    assert ground_height(motion.with_values(values), bone_body(bap_skeleton()), np.eye(4)) == 0.0
+    assert ground(motion.with_values(values)) == 0.0
 
 
 @pytest.mark.parametrize("height", [-0.9, 1.4])
 def test_a_figure_without_a_floor_gets_it_under_its_soles(height):
-    assert ground_height(standing(height), bone_body(bap_skeleton()), np.eye(4)) == pytest.approx(height, abs=0.05)
+    assert ground(standing(height)) == pytest.approx(height, abs=0.05)
