@@ -138,7 +138,8 @@ def _site_places(body: Body) -> FloatArray:
         body.bind[site.joint, :3, :3] @ np.array(site.offset) + body.bind[site.joint, :3, 3]
         for site in skeleton.end_sites
     ]
-    return np.array(places, dtype=np.float64).reshape(-1, 3)
+    found: FloatArray = np.reshape(np.array(places, dtype=np.float64), (-1, 3))
+    return found
 
 
 def _displacers(body: Body, names: _Names, joints: list[Node]) -> dict[str, Node]:

@@ -8,9 +8,12 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray, IntArray
 from qmd_studio.avatar.humanoid import Displacer
+from qmd_studio.errors import FormatError
 from qmd_studio.formats.hanim_surface import Gathered, skin_coordinate
 from qmd_studio.formats.hanim_view import integers, kind_of, label, number, numbers
 from qmd_studio.formats.scene_graph import Node
+
+MAX_DISPLACERS = 5_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,22 +36,26 @@ def find_displacers(gathered: Gathered) -> list[Found]:
         own = [part.coordinate for part in gathered.parts if part.joint == joint]
         owners.append((joint, segment, coordinate if coordinate is not None else own[0] if own else None))
     found: list[Found] = []
-    names = {column for name in figure.names for column in (name,)}
+    names = set(figure.names)
+    seen: set[int] = set()
     for joint, owner, coordinate in owners:
         for _, child in view.children(owner):
-            if kind_of(child) == "HAnimDisplacer" and all(child is not other.node for other in found):
+            if kind_of(child) == "HAnimDisplacer" and id(child) not in seen:
+                seen.add(id(child))
                 name = base = label(child) or f"{figure.names[joint]} displacer"
                 count = 1
                 while name in names:
                     count += 1
                     name = f"{base} #{count}"
                 names.add(name)
+                if len(found) >= MAX_DISPLACERS:
+                    raise FormatError("the figure has too many displacers", wanted=f"at most {MAX_DISPLACERS}")
                 found.append(Found(child, name, joint, coordinate))
     return found
 
 
 def displacers_of(gathered: Gathered, found: list[Found]) -> tuple[Displacer, ...]:
-    """Return the displacers on the vertices of the surface, in metres. Raises `FormatError` for fields that are none."""
+    """Return the displacers on the surface's vertices, in metres. Raises `FormatError` for fields that are none."""
     result = []
     for each in found:
         index, values = integers(each.node, "coordIndex"), numbers(each.node, "displacements")

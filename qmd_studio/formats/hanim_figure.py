@@ -18,6 +18,9 @@ from qmd_studio.formats.hanim_view import transform_matrix as matrix_of
 from qmd_studio.formats.scene_graph import Node
 from qmd_studio.motion.skeleton import MAX_LEVEL
 
+MAX_JOINTS = 2_000
+MAX_SITES = 5_000
+"""Figures of more joints or sites are refused; the standard has 146 joints and some hundred sites."""
 UNITS = (("metre", 1.0), ("centimetre", 0.01), ("inch", 0.0254), ("unit of 0.0225 m", 0.0225), ("millimetre", 0.001))
 _ORIGIN = (0.0, 0.0, 0.0)
 _PLAUSIBLE_M = (0.3, 3.0)
@@ -123,6 +126,8 @@ _TREE = ("skeleton", "humanoidBody", "children")
 
 def _add_joint(view: View, figure: Figure, node: Node, parent: int) -> int:
     number = len(figure.joints)
+    if number >= MAX_JOINTS:
+        raise FormatError("the figure has too many joints", wanted=f"at most {MAX_JOINTS}")
     name = label(node) or f"joint {number}"
     if name in figure.names:
         view.warn(node, "another joint has this name; this one is numbered")
@@ -144,6 +149,8 @@ def _add_joint(view: View, figure: Figure, node: Node, parent: int) -> int:
 
 
 def _add_site(figure: Figure, site: Node, joint: int) -> None:
+    if len(figure.sites) >= MAX_SITES:
+        raise FormatError("the figure has too many sites", wanted=f"at most {MAX_SITES}")
     name = label(site) or f"site {len(figure.sites)}"
     figure.sites.append((joint, name, applied(matrix_of(site), vector(site, "center", _ORIGIN))))
 

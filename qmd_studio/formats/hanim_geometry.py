@@ -63,11 +63,11 @@ def mesh_of(view: View, node: Node) -> Mesh | None:
         index, corners, polygons = _set(node, kind, len(points))
     triangles = _looked_up(view, node, index, corners, len(points))
     kept = (triangles >= 0).all(axis=1)
-    broken: BoolArray = np.isnan(points.sum(axis=1) * 0.0)
-    if broken.any():
-        view.warn(coordinate or node, f"{int(broken.sum())} points are not finite; faces with them are left out")
-        kept &= ~broken[np.where(kept[:, None], triangles, 0)].any(axis=1)
-        points = np.where(broken[:, None], 0.0, points)
+    whole: BoolArray = np.isfinite(points).all(axis=1, keepdims=True)[:, 0]
+    if not whole.all():
+        view.warn(coordinate or node, f"{int((~whole).sum())} points are not finite; faces with them are left out")
+        kept &= whole[np.where(kept[:, None], triangles, 0)].all(axis=1)
+        points = np.where(whole[:, None], points, 0.0)
     if not kept.all():
         triangles, corners, polygons = triangles[kept], corners[kept], polygons[kept]
     if not flag(node, "ccw", True):

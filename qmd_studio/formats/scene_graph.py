@@ -16,8 +16,12 @@ from qmd_studio.errors import FormatError
 
 MAX_DEPTH = 128
 """Deeper nesting is refused; real figures have about fifty levels."""
-MAX_NODES = 100_000
+MAX_NODES = 50_000
 """Files with more nodes are refused; real figures have some thousands."""
+MAX_ITEMS = 200_000
+"""Files with more fields and statements are refused."""
+MAX_COMMENTS = 1_000
+"""More comments than this are not kept."""
 
 
 class Encoding(StrEnum):

@@ -10,7 +10,9 @@ import numpy as np
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.scene_fields import field_type
 from qmd_studio.formats.scene_graph import (
+    MAX_COMMENTS,
     MAX_DEPTH,
+    MAX_ITEMS,
     MAX_NODES,
     Declared,
     Encoding,
@@ -69,7 +71,7 @@ def _head_comments(text: str) -> list[str]:
             comments.append(line[1:])
         elif line:
             break
-    return comments
+    return comments[:MAX_COMMENTS]
 
 
 class _Parser:
@@ -78,7 +80,7 @@ class _Parser:
     def __init__(self, scene: Scene, tokens: Tokens) -> None:
         self.scene, self.tokens = scene, tokens
         self.types: dict[tuple[str, str], str] = {}
-        self.depth = self.n_nodes = 0
+        self.depth = self.n_nodes = self.n_items = 0
 
     def run(self) -> None:
         tokens = self.tokens
@@ -112,6 +114,7 @@ class _Parser:
 
     def _statement(self, parent: Node, place: str) -> None:
         """Read a node, ROUTE, PROTO, IMPORT or EXPORT into `parent`."""
+        self._count()
         tokens = self.tokens
         word = tokens.word
         if word == "ROUTE":
@@ -127,6 +130,11 @@ class _Parser:
             parent.fields.append(("", self._link_statement(word)))
         else:
             parent.fields.append((place, self._node_value()))
+
+    def _count(self) -> None:
+        self.n_items += 1
+        if self.n_items > MAX_ITEMS:
+            raise self.tokens.wrong("the scene is too large", wanted=f"at most {MAX_ITEMS} fields and statements")
 
     def _dotted(self) -> tuple[str, str]:
         node = self.tokens.take("word", "the name of a node")
@@ -186,6 +194,7 @@ class _Parser:
         return node
 
     def _field(self, node: Node, name: str) -> None:
+        self._count()
         tokens = self.tokens
         if tokens.kind == "word" and tokens.word == "IS":
             tokens.advance()
@@ -305,6 +314,7 @@ class _Parser:
         tokens.expect("]")
 
     def _declared(self, access: str, *, with_values: bool = True) -> Declared:
+        self._count()
         tokens = self.tokens
         kind = tokens.take("word", "the type of a field")
         declared = Declared(_ACCESS_WORDS[access], kind, tokens.take("word", "the name of a field"))

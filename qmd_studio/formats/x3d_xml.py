@@ -8,6 +8,7 @@ from xml.etree.ElementTree import ParseError
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.scene_fields import default_place, field_type
 from qmd_studio.formats.scene_graph import (
+    MAX_COMMENTS,
     MAX_DEPTH,
     MAX_NODES,
     Declared,
@@ -86,7 +87,8 @@ class _Builder:
             self.texts.append(text)
 
     def comment(self, text: str) -> None:
-        if all(not isinstance(item, Node) or item is self.scene.root for item in self.path):
+        outside = all(not isinstance(item, Node) or item is self.scene.root for item in self.path)
+        if outside and len(self.scene.comments) < MAX_COMMENTS:
             self.scene.comments.append(text)
 
     def close(self) -> None:

@@ -14,9 +14,17 @@ def canonical_joint(name: str) -> str:
 
 
 def level_of_articulation(names: Iterable[str]) -> int:
-    """Return the least level of articulation, 0 to 4, that has all the standard joints among `names`."""
+    """Return the level of articulation, 0 to 4, that joints of these names come nearest to.
+
+    It is the highest level of which half the joints are there, those that it adds to the level below, and so below.
+    """
     levels = _levels()
-    return max((levels.get(canonical_joint(name), 0) for name in names), default=0)
+    present = {canonical_joint(name) for name in names}
+    for level in range(1, 5):
+        added = [name for name, own in levels.items() if own == level]
+        if 2 * sum(name in present for name in added) < len(added):
+            return level - 1
+    return 4
 
 
 def joint_of_segment(segment: str) -> str | None:
