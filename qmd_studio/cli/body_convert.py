@@ -33,12 +33,8 @@ def run(arguments: Namespace) -> Report:
         ("body", f"{len(body.skeleton.joints)} joints, {len(body.surface.vertices):,} vertices"),
         ("file", in_bytes(len(data))),
     ]
-    values: dict[str, Value] = {
-        "file": str(path),
-        "format": target.name,
-        "joints": len(body.skeleton.joints),
-        "bytes": len(data),
-    }
+    joints = len(body.skeleton.joints)
+    values: dict[str, Value] = {"file": str(path), "format": target.name, "joints": joints, "bytes": len(data)}
     return Report(values, lines, opened.warnings, opened.notes)
 
 

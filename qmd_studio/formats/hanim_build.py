@@ -133,13 +133,10 @@ def _segment_name(body: Body, joint: int) -> str:
 
 def _site_places(body: Body) -> FloatArray:
     """Return the places of the end sites (S, 3) in the binding pose."""
-    skeleton = body.skeleton
-    places = [
-        body.bind[site.joint, :3, :3] @ np.array(site.offset) + body.bind[site.joint, :3, 3]
-        for site in skeleton.end_sites
-    ]
-    found: FloatArray = np.reshape(np.array(places, dtype=np.float64), (-1, 3))
-    return found
+    places = np.zeros((len(body.skeleton.end_sites), 3))
+    for row, site in enumerate(body.skeleton.end_sites):
+        places[row] = body.bind[site.joint, :3, :3] @ np.array(site.offset) + body.bind[site.joint, :3, 3]
+    return places
 
 
 def _displacers(body: Body, names: _Names, joints: list[Node]) -> dict[str, Node]:
@@ -154,4 +151,4 @@ def _displacers(body: Body, names: _Names, joints: list[Node]) -> dict[str, Node
 
 def _tidy(values: FloatArray) -> FloatArray:
     """Return lengths without the last digits that sums have left in them, far below a micrometre."""
-    return np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
+    return np.asarray(np.round(values, 12) + 0.0, dtype=np.float64)

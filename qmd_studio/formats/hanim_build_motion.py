@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.formats.hanim_build import Built
+from qmd_studio.formats.hanim_motion import word_of
 from qmd_studio.formats.scene_graph import Node, Route
 from qmd_studio.motion.as_euler import euler_zyx
 from qmd_studio.motion.kinematics import world_from_joint
@@ -29,19 +29,23 @@ class Pose:
 
 
 def add_hanim_motion(built: Built, body: Body, motion: Motion) -> None:
-    """Add `motion` as an HAnimMotion; weights of displacers, which that cannot hold, as interpolators."""
+    """Add `motion` as an HAnimMotion; weights of displacers, which that cannot hold, as interpolators.
+
+    Rotations are Rx · Ry · Rz and listed so: a player that has heed of the channels' order and one that takes them by
+    their axes (X_ITE of 2023 did, whatever their order) then show the same.
+    """
     pose = _pose(body, motion)
     names: list[str] = []
     channels: list[str] = []
     columns: list[FloatArray] = []
     for joint, row in enumerate(body.skeleton.joints):
-        names.append(_word(row.name))
-        angles = np.degrees(_angles(body, motion, pose, joint))
+        names.append(word_of(row.name))
+        angles = np.degrees(_angles(pose.turns[:, joint]))
         if pose.movers[joint]:
-            channels.append("6 Xposition Yposition Zposition Zrotation Yrotation Xrotation")
+            channels.append("6 Xposition Yposition Zposition Xrotation Yrotation Zrotation")
             columns += [pose.moves[:, joint], angles]
         else:
-            channels.append("3 Zrotation Yrotation Xrotation")
+            channels.append("3 Xrotation Yrotation Zrotation")
             columns.append(angles)
     values = np.concatenate(columns, axis=1)
     node = Node("HAnimMotion", "hanim_motion")
@@ -126,15 +130,9 @@ def _pose(body: Body, motion: Motion) -> Pose:
     return Pose(turns, moves, movers)
 
 
-def _angles(body: Body, motion: Motion, pose: Pose, joint: int) -> FloatArray:
-    """Return a joint's angles (n_frames, 3) z, y, x: its own columns where they are that, else reckoned."""
-    skeleton = motion.skeleton
-    row = skeleton.joints[joint]
-    kinds = [(skeleton.columns[number].axis, skeleton.columns[number].sign) for number in row.product]
-    parallel = np.array_equal(body.bind[joint, :3, :3], np.eye(3)) and np.array_equal(row.orientation, np.eye(3))
-    if kinds == [(2, 1), (1, 1), (0, 1)] and parallel:
-        return np.asarray(motion.X[:, list(row.product)])
-    return euler_zyx(pose.turns[:, joint])
+def _angles(turns: FloatArray) -> FloatArray:
+    """Return angles (n_frames, 3) x, y, z with Rx · Ry · Rz = `turns`: the transpose has them backwards."""
+    return np.asarray(-euler_zyx(np.swapaxes(turns, 1, 2))[:, ::-1])
 
 
 def _axis_angles(turns: FloatArray) -> FloatArray:
@@ -151,8 +149,3 @@ def _axis_angles(turns: FloatArray) -> FloatArray:
 def _short(values: FloatArray) -> FloatArray:
     """Return numbers to ten decimals: degrees and metres far finer than any motion is known."""
     return np.round(values, 10) + 0.0
-
-
-def _word(name: str) -> str:
-    """Return a joint's name as one word, as the list of joints in an HAnimMotion needs it."""
-    return re.sub(r"[\s,]+", "_", name) or "_"

@@ -156,7 +156,10 @@ def _add_site(figure: Figure, site: Node, joint: int) -> None:
 
 
 def _stretch(view: View, figure: Figure) -> None:
-    """Take the joints' scales into the rest figure: exact where they are the same along all axes."""
+    """Take the joints' scales into the rest figure.
+
+    That is exact at rest, and turned too for what follows one joint that is scaled the same along all axes.
+    """
     linear = [stretch_matrix(node) for node in figure.joints]
     if all(np.array_equal(matrix, np.eye(3)) for matrix in linear):
         return
@@ -167,6 +170,9 @@ def _stretch(view: View, figure: Figure) -> None:
         chain[j] = outer @ own
         if not np.allclose(linear[j], linear[j][0, 0] * np.eye(3), rtol=1e-6):
             view.warn(figure.joints[j], "its scale differs along the axes; it is shown right at rest, nearly so turned")
+    view.warn(
+        figure.humanoid, "joints are scaled; skin that several of them share is shown right at rest, nearly so turned"
+    )
     centres = figure.centres
     figure.centres = [
         applied(chain[p] if p >= 0 else np.eye(4), c) for p, c in zip(figure.parents, centres, strict=True)

@@ -62,8 +62,8 @@ def mesh_of(view: View, node: Node) -> Mesh | None:
     else:
         index, corners, polygons = _set(node, kind, len(points))
     triangles = _looked_up(view, node, index, corners, len(points))
-    kept = (triangles >= 0).all(axis=1)
-    whole: BoolArray = np.isfinite(points).all(axis=1, keepdims=True)[:, 0]
+    kept: BoolArray = np.logical_and.reduce(triangles >= 0, axis=1)
+    whole: BoolArray = np.logical_and.reduce(np.isfinite(points), axis=1)
     if not whole.all():
         view.warn(coordinate or node, f"{int((~whole).sum())} points are not finite; faces with them are left out")
         kept &= whole[np.where(kept[:, None], triangles, 0)].all(axis=1)

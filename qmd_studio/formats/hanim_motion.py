@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,6 +43,11 @@ def read_hanim_motion(view: View, figure: Figure) -> Track | None:
     return tracks[0] if tracks else None
 
 
+def word_of(name: str) -> str:
+    """Return a joint's name as the one word that the list of joints takes."""
+    return re.sub(r"[\s,]+", "_", name) or "_"
+
+
 def _track(view: View, figure: Figure, node: Node) -> Track | None:
     joints = text(node, "joints").replace(",", " ").split()
     groups = _channels(view, node)
@@ -62,7 +68,8 @@ def _track(view: View, figure: Figure, node: Node) -> Track | None:
         table = np.where(np.isfinite(table), table, 0.0)
     track = Track(_rate(view, node), len(table), name=label(node))
     numbers = {name: number for number, name in reversed(list(enumerate(figure.names)))}
-    numbers |= {canonical_joint(name): number for name, number in numbers.items()}
+    numbers = {word_of(name): number for name, number in numbers.items()} | numbers
+    numbers = {canonical_joint(name): number for name, number in numbers.items()} | numbers
     start = 0
     unknown = []
     for name, group in zip(joints, groups, strict=False):

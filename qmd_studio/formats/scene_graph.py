@@ -18,7 +18,7 @@ MAX_DEPTH = 128
 """Deeper nesting is refused; real figures have about fifty levels."""
 MAX_NODES = 50_000
 """Files with more nodes are refused; real figures have some thousands."""
-MAX_ITEMS = 200_000
+MAX_ITEMS = 150_000
 """Files with more fields and statements are refused."""
 MAX_COMMENTS = 1_000
 """More comments than this are not kept."""

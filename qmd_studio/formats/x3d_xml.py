@@ -77,9 +77,9 @@ class _Builder:
     def end(self, tag: str) -> None:
         item = self.path.pop()
         if self.texts:
-            text = "".join(self.texts)
+            text = "".join(self.texts).strip()
             self.texts.clear()
-            if isinstance(item, Node) and text.strip():
+            if isinstance(item, Node) and text:
                 item.fields.append(("CDATA", text))
 
     def data(self, text: str) -> None:
