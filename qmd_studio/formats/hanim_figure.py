@@ -34,6 +34,7 @@ class Figure:
 
     `space` (4, 4) takes the humanoid's space to metres. `segments` are (joint number, node); `sites` (joint number,
     name, position in own units). `stretch` (J, 4, 4) is what the joints' scales do to what they carry, where any has.
+    `frame` is the rotation (3, 3) of the humanoid's space, the nearest one where that is sheared.
     """
 
     humanoid: Node
@@ -45,14 +46,7 @@ class Figure:
     segments: list[tuple[int, Node]] = field(default_factory=list)
     sites: list[tuple[int, str, FloatArray]] = field(default_factory=list)
     stretch: FloatArray | None = None
-
-    @property
-    def frame(self) -> FloatArray:
-        """The rotation (3, 3) of the humanoid's space, the nearest one where it is sheared."""
-        linear = self.space[:3, :3]
-        u, _, v = np.linalg.svd(linear)
-        turn = u @ v
-        return np.eye(3) if np.allclose(turn, np.eye(3), atol=1e-12) else np.asarray(turn)
+    frame: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def in_metres(self, points: FloatArray) -> FloatArray:
         """Return `points` (..., 3) of the humanoid's space in metres."""
@@ -205,6 +199,9 @@ def _set_space(view: View, figure: Figure, metres_per_unit: float | None) -> Non
                 "set the length unit if that is not meant"
             )
     figure.space = np.diag([unit, unit, unit, 1.0]) @ own
+    u, _, v = np.linalg.svd(figure.space[:3, :3])
+    if not np.allclose(u @ v, np.eye(3), atol=1e-12):
+        figure.frame = u @ v
 
 
 def _is_number(word: str) -> bool:

@@ -33,7 +33,7 @@ def skeleton_of(figure: Figure, movers: Iterable[int] = (), displacers: Iterable
     """
     moving = set(movers) | {joint for joint, parent in enumerate(figure.parents) if parent < 0}
     levels = [level_of(figure, joint, _levels_by_name()) for joint in range(len(figure.joints))]
-    offsets = [_offset(figure, joint) for joint in range(len(figure.joints))]
+    offsets = _offsets(figure)
     columns: list[Column] = []
     products: list[tuple[int, ...]] = [()] * len(levels)
     for joint in sorted(range(len(levels)), key=lambda number: levels[number]):
@@ -145,12 +145,14 @@ def _sites(figure: Figure) -> tuple[EndSite, ...]:
     return tuple(sorted(found, key=lambda site: site.joint))
 
 
-def _offset(figure: Figure, joint: int) -> Vector3:
-    parent = figure.parents[joint]
-    own = figure.in_metres(figure.centres[joint])
-    if parent < 0:
-        return _vector(own)
-    return _vector(np.linalg.inv(figure.frame) @ (own - figure.in_metres(figure.centres[parent])))
+def _offsets(figure: Figure) -> list[Vector3]:
+    """Return each joint's place from its parent's, in metres and the figure's axes; a root's place in the world."""
+    places = figure.in_metres(np.array(figure.centres))
+    back = np.linalg.inv(figure.frame)
+    return [
+        _vector(back @ (place - places[parent]) if parent >= 0 else place)
+        for place, parent in zip(places, figure.parents, strict=True)
+    ]
 
 
 def _vector(values: FloatArray) -> Vector3:

@@ -27,33 +27,46 @@ class Binding:
 def skin_binding(view: View, figure: Figure, n_points: int) -> Binding:
     """Return what each of the skin's points follows; what is wrong with the weights is a warning."""
     point, joint, weight = _entries(view, figure, n_points)
-    order = np.lexsort((joint, -weight, point))
-    point, joint, weight = point[order], joint[order], weight[order]
-    total = np.bincount(point, weight, minlength=n_points)
-    if (total > 1 + _ROUNDING).any():
-        over = int((total > 1 + _ROUNDING).sum())
+    joints, weights = _rows(point, joint, weight, n_points)
+    total = weights.sum(axis=1)
+    over = int((total > 1 + _ROUNDING).sum())
+    if over:
         view.warn(figure.humanoid, f"the weights of {over} points of the skin sum to more than 1; they are scaled to 1")
-        weight = weight / np.maximum(total, 1.0)[point] if over else weight
-        total = np.minimum(total, 1.0)
+        weights /= np.where(total > 1 + _ROUNDING, total, 1.0)[:, None]
     rest = np.where(total < 1 - _ROUNDING, 1 - total, 0.0)
     loose = int((total == 0).sum())
     if loose:
         view.warn(figure.humanoid, f"{loose} points of the skin follow no joint; they stay at rest with the figure")
-    partly = int((rest > 0).sum()) - loose
+    partly = int(np.count_nonzero(rest)) - loose
     if partly:
         view.warn(
             figure.humanoid, f"the weights of {partly} points of the skin sum to less than 1; the rest stays still"
         )
-    still = np.flatnonzero(rest)
-    point, joint = np.concatenate([point, still]), np.concatenate([joint, np.full(len(still), len(figure.joints))])
-    weight = np.concatenate([weight, rest[still]])
-    order = np.argsort(point, kind="stable")
-    point, joint, weight = point[order], joint[order], weight[order]
-    rank = np.arange(len(point)) - np.searchsorted(point, point)
-    width = int(rank.max(initial=0)) + 1
+    if loose or partly:
+        joints, weights = _with_rest(joints, weights, rest, len(figure.joints))
+    return Binding(joints, weights)
+
+
+def _rows(point: IntArray, joint: IntArray, weight: FloatArray, n_points: int) -> tuple[IntArray, FloatArray]:
+    """Return joints and weights (n_points, K) of entries sorted by point, strongest first, then 0."""
+    counts = np.bincount(point, minlength=n_points)
+    rank = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
+    width = max(1, int(counts.max(initial=0)))
     joints, weights = np.zeros((n_points, width), dtype=np.int64), np.zeros((n_points, width))
     joints[point, rank], weights[point, rank] = joint, weight
-    return Binding(joints, weights)
+    strongest = np.argsort(-weights, axis=1, kind="stable")
+    return np.take_along_axis(joints, strongest, 1), np.take_along_axis(weights, strongest, 1)
+
+
+def _with_rest(joints: IntArray, weights: FloatArray, rest: FloatArray, figure: int) -> tuple[IntArray, FloatArray]:
+    """Let the figure itself, as joint number `figure`, have what the weights leave, after the joints of each point."""
+    width = int(((weights > 0).sum(axis=1) + (rest > 0)).max())
+    more = max(0, width - joints.shape[1])
+    joints, weights = np.pad(joints, ((0, 0), (0, more))), np.pad(weights, ((0, 0), (0, more)))
+    still = np.flatnonzero(rest)
+    place = (weights[still] > 0).sum(axis=1)
+    joints[still, place], weights[still, place] = figure, rest[still]
+    return joints, weights
 
 
 def rigid_binding(joint: int, n_points: int) -> Binding:
@@ -62,7 +75,7 @@ def rigid_binding(joint: int, n_points: int) -> Binding:
 
 
 def _entries(view: View, figure: Figure, n_points: int) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return (point, joint, weight) of all entries that can be used, each pair once; a missing weight is 1."""
+    """Return (point, joint, weight) of all usable entries, by point, each pair once; a missing weight is 1."""
     points, joints, weights = [], [], []
     for number, node in enumerate(figure.joints):
         index, given = integers(node, "skinCoordIndex"), numbers(node, "skinCoordWeight")
@@ -81,7 +94,10 @@ def _entries(view: View, figure: Figure, n_points: int) -> tuple[IntArray, IntAr
             view.warn(node, "it has weights below 0; they are left out")
     point, joint, weight = np.concatenate(points), np.concatenate(joints), np.concatenate(weights)
     good = (point >= 0) & (point < n_points) & (weight > 0)
-    key = point[good] * len(figure.joints) + joint[good]
-    pair, inverse = np.unique(key, return_inverse=True)
-    summed: FloatArray = np.bincount(inverse, weight[good], minlength=len(pair)).astype(np.float64)
+    order = np.argsort(point[good], kind="stable")
+    point, joint, weight = point[good][order], joint[good][order], weight[good][order]
+    if not ((point[1:] == point[:-1]) & (joint[1:] == joint[:-1])).any():
+        return point, joint, weight
+    pair, inverse = np.unique(point * len(figure.joints) + joint, return_inverse=True)
+    summed: FloatArray = np.bincount(inverse, weight, minlength=len(pair)).astype(np.float64)
     return pair // len(figure.joints), pair % len(figure.joints), summed
