@@ -94,6 +94,9 @@ def save_motion(path: Path | str, motion: Motion) -> None:
 def encode_motion(suffix: str, motion: Motion) -> bytes:
     """Return the bytes of a file with `suffix` (".bvh") that holds `motion`; see `save_motion`."""
     target = format_for(Path(f"motion{suffix}"))
+    if target.write is None and target.write_figure is not None:
+        message = f"{target.title} files hold a body with its motion, not a motion alone"
+        raise FormatError(message, hint=f"Save the body. {_writable_hint()}")
     if target.write is None:
         raise FormatError(f"{target.title} files can be read but not written", hint=_writable_hint())
     return target.write(motion)

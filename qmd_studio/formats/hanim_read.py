@@ -12,8 +12,11 @@ from qmd_studio.formats.hanim_surface import gather, surface_of
 from qmd_studio.formats.hanim_view import View, label
 from qmd_studio.formats.loaded import Loaded, ReadOptions
 from qmd_studio.formats.scene_file import parse_scene
+from qmd_studio.motion.kinematics import world_from_joint
 from qmd_studio.motion.motion import Motion
 
+_SAMPLES = 24
+_FLOATS_FROM_M = 0.5
 MOST_WARNINGS = 100
 """So many warnings are listed one by one; of more, the number."""
 
@@ -39,7 +42,20 @@ def read_figure(data: bytes, options: ReadOptions) -> Loaded:
         skeleton = motion.skeleton
         displacers = displacers_of(gathered, found)
         body = Body(skeleton.name, skeleton, surface, bind_of(figure), _segments(figure), displacers)
-    return Loaded(motion.skeleton, motion, body, warnings=_listed(view.warnings), notes=tuple(view.notes))
+    return Loaded(
+        motion.skeleton, motion, body, warnings=_listed(view.warnings), notes=(*view.notes, *_height_note(motion))
+    )
+
+
+def _height_note(motion: Motion) -> tuple[str, ...]:
+    """Say it where a motion never comes down to the ground: its heights were then meant for another figure."""
+    if motion.n_frames == 1:
+        return ()
+    stride = -(-motion.n_frames // _SAMPLES)
+    lowest = float(world_from_joint(motion.skeleton, motion.X[::stride])[..., 1, 3].min())
+    if lowest < _FLOATS_FROM_M:
+        return ()
+    return (f"the motion carries the figure {lowest:.1f} m above the ground all the time, as the file says",)
 
 
 def _segments(figure: Figure) -> tuple[str, ...]:

@@ -82,6 +82,7 @@ def test_jin_dances_on_a_floor():
     ankles = [names.index("l_talocrural"), names.index("r_talocrural")]
     height = world_from_joint(loaded.skeleton, loaded.motion.X)[:, ankles, 1, 3].min(axis=1)
     assert height.std() < 0.02
+    assert any("above the ground" in note for note in loaded.notes)  # her heights are another figure's
 
 
 def test_frames_name_joints_of_either_generation_and_ignore_some():
