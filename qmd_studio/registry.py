@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from qmd_studio import assets
 from qmd_studio.errors import FormatError, QmdStudioError
+from qmd_studio.formats.gzip_bytes import head as unpacked_head
+from qmd_studio.formats.gzip_bytes import packed, unpacked
 from qmd_studio.formats.loaded import Format, Loaded, ReadOptions
 from qmd_studio.storage import read_bytes, write_atomic
 
@@ -34,6 +36,8 @@ FORMAT_MODULES: tuple[str, ...] = (
     "qmd_studio.formats.csv_text",
     "qmd_studio.formats.npz",
     "qmd_studio.formats.x3d",
+    "qmd_studio.formats.x3dv",
+    "qmd_studio.formats.wrl",
 )
 """A format is a module with a `FORMAT`; one line here adds it. The more telling the content, the earlier it stands."""
 
@@ -58,6 +62,7 @@ def open_file(path: Path | str, options: ReadOptions = _DEFAULTS) -> Loaded:
     if not data:
         raise FormatError("the file is empty", path=path, wanted="a motion or a body", hint="Get a whole copy")
     try:
+        data = unpacked(data)
         chosen = recognise(data, path)
         return chosen.read(data, replace(options, path=path))
     except QmdStudioError as problem:
@@ -89,6 +94,9 @@ def save_motion(path: Path | str, motion: Motion) -> None:
 def encode_motion(suffix: str, motion: Motion) -> bytes:
     """Return the bytes of a file with `suffix` (".bvh") that holds `motion`; see `save_motion`."""
     target = format_for(Path(f"motion{suffix}"))
+    if target.write is None and target.write_figure is not None:
+        message = f"{target.title} files hold a body with its motion, not a motion alone"
+        raise FormatError(message, hint=f"Save the body. {_writable_hint()}")
     if target.write is None:
         raise FormatError(f"{target.title} files can be read but not written", hint=_writable_hint())
     return target.write(motion)
@@ -121,7 +129,8 @@ def encode_figure(suffix: str, body: Body, motion: Motion | None = None) -> byte
             got=f"the {motion.skeleton.n_columns} columns of {motion.skeleton.name!r}",
             hint="Retarget the motion to the body first",
         )
-    return target.write_figure(body, motion)
+    data = target.write_figure(body, motion)
+    return packed(data) if suffix.lower() in target.packed else data
 
 
 def avatar_names() -> tuple[str, ...]:
@@ -185,7 +194,7 @@ def __getattr__(name: str) -> Any:
 
 def recognise(data: bytes, path: Path) -> Format:
     """Return the format of a file by its content first and its suffix second; raises `FormatError` for neither."""
-    head = data[:SNIFFED_BYTES]
+    head = unpacked_head(data, SNIFFED_BYTES)
     suffix = path.suffix.lower()
     by_content = [candidate for candidate in formats() if candidate.sniff(head)]
     by_suffix = [candidate for candidate in formats() if suffix in candidate.suffixes]

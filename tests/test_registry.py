@@ -118,6 +118,8 @@ def test_a_body_and_its_motion_are_written_by_the_format_of_the_suffix(tmp_path,
 
 def test_a_body_is_not_written_where_it_would_be_lost(tmp_path, monkeypatch, motion, body):
     with_figures(monkeypatch, lambda body, motion: b"")
+    with pytest.raises(FormatError, match="not a motion alone"):
+        registry.save_motion(tmp_path / "a.fig", motion)
     scaled = motion.scaled(2.0)
     for name, what, match in (("a.bvh", motion, "no body"), ("a.fig", scaled, "Retarget"), ("a.xyz", motion, "suffix")):
         with pytest.raises(FormatError, match=match) as caught:

@@ -32,13 +32,13 @@ class Parser(ArgumentParser):
         raise problem
 
 
-def add_verb(verbs: Any, name: str, summary: str) -> ArgumentParser:
-    """Add the verb `name`; what runs it is `run` of the module `qmd_studio.cli.<name>`."""
+def add_verb(verbs: Any, name: str, summary: str, module: str | None = None) -> ArgumentParser:
+    """Add the verb `name`; what runs it is `run` of the module `qmd_studio.cli.<module>`, by default its own name's."""
     parser: ArgumentParser = verbs.add_parser(
         name, help=summary, description=summary[0].upper() + summary[1:] + ".", allow_abbrev=False
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
-    parser.set_defaults(run=_late(name))
+    parser.set_defaults(run=_late(module or name))
     return parser
 
 

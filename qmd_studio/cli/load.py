@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from qmd_studio import registry
+from qmd_studio.avatar.humanoid import Body
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.loaded import Loaded, ReadOptions
 from qmd_studio.motion.motion import Motion
@@ -18,6 +19,27 @@ class OpenedMotion:
     motion: Motion
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedBody:
+    """A body, the motion that came with it, and what its reader had to say."""
+
+    path: Path
+    body: Body
+    motion: Motion | None
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def open_body(path: str, *, metres_per_unit: float | None = None) -> OpenedBody:
+    """Open a file that must hold a body. Raises `FormatError` where it holds none."""
+    loaded = registry.open_file(Path(path), ReadOptions(metres_per_unit=metres_per_unit))
+    if loaded.body is None:
+        got = "a motion" if loaded.motion else "a skeleton"
+        raise FormatError("the file holds no body with a surface", path=path, wanted="a figure with meshes", got=got)
+    warnings = tuple(f"{path}: {warning}" for warning in loaded.warnings)
+    return OpenedBody(Path(path), loaded.body, loaded.motion, warnings, loaded.notes)
 
 
 def open_any(path: str, *, skeleton: str | None = None, fps: float | None = None) -> Loaded:

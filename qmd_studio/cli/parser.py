@@ -20,6 +20,7 @@ from qmd_studio.cli.grammar import (
     weight,
     wholes,
 )
+from qmd_studio.cli.parser_body import add_body
 from qmd_studio.cli.parser_render import add_render
 from qmd_studio.cli.parser_retarget import add_retarget
 from qmd_studio.codecs.qmd.settings import Encoder
@@ -58,6 +59,7 @@ def build_parser() -> ArgumentParser:
     _add_compare(verbs)
     add_render(verbs)
     add_retarget(verbs)
+    add_body(verbs)
     return parser
 
 

@@ -48,7 +48,8 @@ class Format:
     without, or None where one stands there already.
 
     `write_figure(body, motion)` returns the bytes of a file with a body, and with a motion on that body's skeleton
-    where one is given; None where the format holds no bodies.
+    where one is given; None where the format holds no bodies. `packed` are those of the suffixes under which the bytes
+    are packed by gzip; every file is unpacked before it is sniffed and read.
     """
 
     name: str
@@ -59,3 +60,4 @@ class Format:
     write: Callable[[Motion], bytes] | None = None
     companion: Callable[[Path, Motion], tuple[Path, bytes] | None] | None = None
     write_figure: Callable[[Body, Motion | None], bytes] | None = None
+    packed: tuple[str, ...] = ()
