@@ -5,9 +5,10 @@
 #   make bench-codecs            size and error of every encoder over the corpus, into the same page (minutes)
 #   make check-decoder          every clip of the corpus, whole, through the C decoder and Python's (minutes)
 #   make fuzz-decoder [N=…]      N damaged files (1000000) into the C decoder; needs clang or gcc
+#   make avatars                 the avatars that ship, anew, into avatars/ (minutes)
 # PYTHON=… names the python3 (3.11 or newer) to build .venv with.
 
-.PHONY: run test bench bench-codecs check-decoder fuzz-decoder lint clean pins
+.PHONY: run test bench bench-codecs check-decoder fuzz-decoder avatars lint clean pins
 .DEFAULT_GOAL := run
 
 bin := .venv/bin
@@ -39,6 +40,10 @@ check-decoder:
 	@.ci/setup test
 	$(bin)/python tests/decoder/check_corpus.py
 
+avatars:
+	@.ci/setup avatars
+	$(bin)/python -m avatars.make
+
 fuzz-decoder:
 	$(or $(PYTHON),python3) tests/decoder/fuzz.py --inputs $(or $(N),1000000)
 
@@ -52,3 +57,4 @@ pins:
 	$(compile) pyproject.toml -o requirements.txt
 	$(compile) --group dev -c requirements.txt -o requirements-dev.txt
 	$(compile) --group bench -c requirements.txt -o requirements-bench.txt
+	$(compile) --group avatars -c requirements.txt -o requirements-avatars.txt
