@@ -83,7 +83,9 @@ def add_trunk(put: Placed, chest: float) -> None:
     """Add torso, neck and shoulder girdle; `chest` is how far the breast stands out, 1 for the default."""
     put.loft("trunk", 1, _TORSO, caps=(0.05, 0.03), register=TRUNK)
     put.ellipsoid("trunk", (0.074, 0.905, -0.058), (0.072, 0.078, 0.074), k=0.05, register=TRUNK)  # buttock
-    put.ellipsoid("trunk", (0.066, 1.325, 0.030 + 0.032 * chest), (0.066, 0.055, 0.046), k=0.045, register=TRUNK)  # breast
+    put.ellipsoid(
+        "trunk", (0.066, 1.325, 0.030 + 0.032 * chest), (0.066, 0.055, 0.046), k=0.045, register=TRUNK
+    )  # breast
     put.ellipsoid("trunk", (0.085, 1.330, -0.070), (0.062, 0.085, 0.042), k=0.05, register=TRUNK)  # shoulder blade
     put.cone("trunk", (0.022, 1.512, -0.044), (0.160, 1.438, -0.045), 0.026, 0.036, k=0.032, register=TRUNK)
     put.cone("trunk", (0.030, 1.462, 0.006), (0.150, 1.436, -0.010), 0.026, 0.032, k=0.035, register=TRUNK)  # clavicle

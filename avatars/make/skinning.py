@@ -254,7 +254,9 @@ def _strongest(soft: np.ndarray) -> np.ndarray:
     result = np.where(soft >= LEAST, soft, 0.0)
     rank = np.argsort(np.argsort(-result, axis=1, kind="stable"), axis=1, kind="stable")
     result[rank >= MOST] = 0.0
-    return result / result.sum(axis=1, keepdims=True)
+    result = np.round(result / result.sum(axis=1, keepdims=True), 4)  # as they are written
+    result[np.arange(len(result)), result.argmax(axis=1)] += 1 - result.sum(axis=1)
+    return result
 
 
 def _to_chain(points, chain) -> np.ndarray:

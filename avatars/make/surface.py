@@ -61,7 +61,7 @@ def _sampled(field: Field, axes: list[np.ndarray], *, block: int = 4, band: floa
 def size_field(figure: Figure):
     """Return a function that gives the wished edge length at points (n, 3): fine at hands and face."""
     parts = {name: figure.scale(name) for name in ("head", "neck", "hand", "foot", "trunk")}
-    coarse = 0.0265 * parts["trunk"][0]
+    coarse = 0.0265 * parts["trunk"].mean()
     spots = [
         ("hand", (0.203, 0.682, -0.060), 0.045, 0.0044, 0.040),
         ("hand", (0.198, 0.735, -0.065), 0.045, 0.0052, 0.045),
@@ -84,7 +84,7 @@ def size_field(figure: Figure):
         (figure.place(part, at), radius * parts[part].mean(), fine * parts[part].mean(), reach * parts[part].mean())
         for part, at, radius, fine, reach in spots
     ]
-    limbs = figure.place("trunk", [0.158, 0.0, 0.0])[0], 0.0170 * parts["trunk"][0]
+    limbs = figure.place("trunk", [0.158, 0.0, 0.0])[0], 0.0170 * parts["trunk"].mean()
 
     def size(points: np.ndarray) -> np.ndarray:
         result = np.full(len(points), coarse)

@@ -29,7 +29,7 @@ FACE_JOINTS = {"temporomandibular"} | {
 N_PIECES = 16
 """Eyes, upper lids, brows and ten nails; everything else is one skin."""
 
-MOST_STRETCH = 6.0
+MOST_STRETCH = 7.0
 """How much longer than at rest an edge of the skin may become in one joint's extreme pose, if over 12 mm by then."""
 LEAST_GIRTH = 0.30
 """What share of its volume the skin about a bent elbow or knee keeps at the least."""
@@ -67,7 +67,7 @@ def posed(body: Body, angles: dict[str, list[tuple[Bap, float]]]) -> np.ndarray:
             axis = np.eye(3)[parameter.axis] * parameter.sign
             turn[:3, :3] = Rotation.from_rotvec(axis * angle).as_matrix() @ turn[:3, :3]
         world[number] = turn if joint.parent < 0 else world[joint.parent] @ turn
-    moves = world @ np.linalg.inv(body.bind)
+    moves = np.concatenate([world @ np.linalg.inv(body.bind), [np.eye(4)]])  # the last is the figure itself
     surface = body.surface
     at = np.concatenate([surface.vertices, np.ones((len(surface.vertices), 1))], axis=1).astype(np.float64)
     each = np.einsum("vkij,vj->vki", moves[surface.joints], at)[..., :3]
