@@ -88,7 +88,7 @@ class BodyPanel(QWidget):
             self.body.addItem(self.tr("{name} (the file's own)").format(name=clip.body.name), clip.body)
         worn = clip.outfit.avatar
         for name in self._wardrobe.names:
-            self.body.addItem(name, worn if worn is not None and worn.name == name else name)
+            self.body.addItem(name.capitalize(), worn if worn is not None and worn.name == name else name)
         known = [*self._wardrobe.loaded, *(c.body for c in self._document.state.clips if c.body is not None)]
         if worn is not None:
             known.append(worn)
@@ -102,7 +102,7 @@ class BodyPanel(QWidget):
         text = self.tr("Frame {n}").format(n=clip.outfit.frame)
         here = self.alignment.findData(Alignment.FRAME.value)
         framed = clip.outfit.alignment is Alignment.FRAME
-        self.alignment.setItemText(here, text if framed else self.tr("The frame shown now"))
+        self.alignment.setItemText(here, text if framed else self.tr("Shown frame"))
 
     def _place_of(self, body: Body | None) -> int:
         return next((k for k in range(self.body.count()) if self.body.itemData(k) is body), -1)
@@ -140,10 +140,10 @@ class BodyPanel(QWidget):
 
     def _dress(self) -> None:
         for value, text in (
-            (Alignment.AUTO, self.tr("Chosen automatically")),
-            (Alignment.REST, self.tr("The file's rest pose")),
-            (Alignment.FRAME, self.tr("The frame shown now")),
-            (Alignment.ZERO, self.tr("No pose: turns as they stand")),
+            (Alignment.AUTO, self.tr("Automatic")),
+            (Alignment.REST, self.tr("Rest pose")),
+            (Alignment.FRAME, self.tr("Shown frame")),
+            (Alignment.ZERO, self.tr("Zero pose")),
         ):
             self.alignment.addItem(text, value.value)
         for field, name, tip in (
@@ -151,7 +151,10 @@ class BodyPanel(QWidget):
             (
                 self.alignment,
                 self.tr("Aligned by"),
-                self.tr("The pose of the motion in which it stands as the body does at rest"),
+                self.tr(
+                    "The pose of the motion in which it stands as the body does at rest: the file's rest pose (or a "
+                    "T-pose put before the motion), the frame shown now, or none"
+                ),
             ),
             (self.map, self.tr("Joint map"), self.tr("See and edit which joint of the motion moves which of the body")),
             (

@@ -12,7 +12,7 @@ from qmd_studio.avatar.bone_body import bone_body
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.skeleton import SkeletonKind
 from qmd_studio.project.clip import Alignment
-from qmd_studio.registry import save_motion
+from qmd_studio.registry import DEFAULT_AVATAR, avatar_names, save_motion
 from qmd_studio.ui.joint_map_dialog import SOURCE, TARGETS, JointMapDialog
 
 
@@ -33,6 +33,44 @@ def walking(window, open_clip, tmp_path):
     open_clip(window, path)
     window.body_panel.wear(None)
     return window
+
+
+def test_motion_of_a_person_plays_on_the_default_avatar_at_once(window, open_clip, tmp_path):
+    path = tmp_path / "walk.bvh"
+    save_motion(path, walker(3))
+    assert window.viewport.scene.actors[0].body.name == DEFAULT_AVATAR
+    open_clip(window, path)
+    assert window.document.state.active_clip.outfit.avatar.name == DEFAULT_AVATAR
+    assert window.viewport.scene.actors[0].body.name == DEFAULT_AVATAR
+    assert window.body_panel.body.currentText() == DEFAULT_AVATAR.capitalize()
+
+
+def test_every_avatar_that_ships_can_be_chosen_from_the_list(walking, qtbot):
+    panel = walking.body_panel
+    for name in avatar_names():
+        place = panel.body.findText(name.capitalize())
+        panel.body.activated.emit(place)
+        qtbot.waitUntil(lambda name=name: _worn(walking) == name, timeout=10_000)
+
+
+@pytest.mark.parametrize("suffix", [".x3d", ".glb"])
+def test_export_with_the_body_that_is_worn_opens_again_in_the_same_pose(
+    window, open_clip, qtbot, tmp_path, monkeypatch, suffix
+):
+    source, target = tmp_path / "walk.bvh", tmp_path / f"out{suffix}"
+    save_motion(source, walker(4))
+    open_clip(window, source)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_args, **_more: (str(target), ""))
+    window.verbs["export_as"].trigger()
+    qtbot.waitUntil(target.exists, timeout=20_000)
+    window.playhead.seek(3)
+    shown = window.viewport.scene.actors[0]
+    open_clip(window, target)
+    window.playhead.seek(3)
+    again = window.viewport.scene.actors[0]
+    names = [joint.name for joint in shown.body.skeleton.joints]
+    place = [[joint.name for joint in again.body.skeleton.joints].index(name) for name in names]
+    np.testing.assert_allclose(again.joint_positions()[place], shown.joint_positions(), atol=2e-3)
 
 
 def test_another_body_is_seen_and_undo_brings_the_first_back(walking, avatar):
@@ -143,6 +181,11 @@ def test_file_without_a_body_is_refused_with_the_reason(walking, tmp_path, qtbot
     qtbot.waitUntil(lambda: bool(walking.banners.banners), timeout=10_000)
     assert "holds no body" in walking.banners.banners[0].title + walking.banners.banners[0].text
     assert walking.document.state.active_clip.outfit.avatar is None
+
+
+def _worn(window):
+    avatar = window.document.state.active_clip.outfit.avatar
+    return avatar.name if avatar is not None else ""
 
 
 def open_map(window):
