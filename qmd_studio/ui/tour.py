@@ -61,7 +61,7 @@ class Tour(QObject):
         yield from self._picture("1-opened-light", Theme.LIGHT)
 
         for knob, value in _TUNED.items():
-            getattr(lab.knobs, knob).slider.setValue(value)
+            getattr(lab.knobs.paper, knob).slider.setValue(value)
         document.end_merge()
         yield self._measured
         window.verbs["show_both"].trigger()
