@@ -28,7 +28,7 @@ FIGURE_PARTS = tuple(side + part for side in ("l_", "r_") for part in ("hip", "k
 class Fit:
     """A body on the motions of `source`. `turn` (4, 4) stands figures up whose file has another axis up.
 
-    `way` is None where the body has the very joints of the source, in their order.
+    `way` is None where the body has the very joints of the source, and perhaps others that go with those above them.
     """
 
     source: Skeleton
@@ -38,9 +38,13 @@ class Fit:
 
     def pose(self, world_from_joint: FloatArray) -> FloatArray:
         """Return the poses (n_frames, joints of the body, 4, 4) for those of the source, upright, metres."""
-        if self.way is None:
-            return np.asarray(self.turn @ world_from_joint)
-        return self.way.pose(world_from_joint)
+        if self.way is not None:
+            return self.way.pose(world_from_joint)
+        taken = np.maximum(self._taken, 0)
+        world = np.asarray(self.turn @ world_from_joint[:, taken])
+        for joint in np.flatnonzero(self._taken < 0):
+            world[:, joint] = world[:, self.body.skeleton.joints[joint].parent] @ self._steps[joint]
+        return world
 
     @property
     def world_from_figure(self) -> FloatArray:
@@ -48,15 +52,29 @@ class Fit:
         return self.turn if self.way is None else np.eye(4)
 
     @cached_property
+    def _taken(self) -> IntArray:
+        """The source's joint of the same name (joints of the body,), -1 for none."""
+        number = {joint.name: k for k, joint in enumerate(self.source.joints)}
+        return np.array([number.get(joint.name, -1) for joint in self.body.skeleton.joints], dtype=np.int64)
+
+    @cached_property
+    def _steps(self) -> FloatArray:
+        """What takes each joint of the body to the one above it at rest, (joints of the body, 4, 4)."""
+        steps = np.tile(np.eye(4), (len(self.body.skeleton.joints), 1, 1))
+        for step, joint in zip(steps, self.body.skeleton.joints, strict=True):
+            step[:3, :3], step[:3, 3] = joint.orientation, joint.offset
+        return steps
+
+    @cached_property
     def moved_by(self) -> IntArray:
         """The source's joint (joints of the body,) that each joint of the body shows, -1 where nothing moves it.
 
         A joint that the map leaves out goes with the joint above it.
         """
-        if self.way is None:
-            return np.arange(len(self.body.skeleton.joints))
         number = {joint.name: k for k, joint in enumerate(self.source.joints)}
-        pairs = {target: number[source] for source, targets in self.way.joint_map.pairs for target in targets}
+        pairs = number
+        if self.way is not None:
+            pairs = {target: number[source] for source, targets in self.way.joint_map.pairs for target in targets}
         result: list[int] = []
         for joint in self.body.skeleton.joints:
             above = result[joint.parent] if joint.parent >= 0 else -1
@@ -115,10 +133,17 @@ def is_figure(skeleton: Skeleton) -> bool:
 
 
 def has_joints_of(body: Skeleton, source: Skeleton) -> bool:
-    """Tell whether the two have the same joints with the same rest: then poses are the same."""
+    """Tell whether `body` has all joints of `source` with the same rest, within 0.1 mm: then poses are the same."""
     if body is source:
         return True
-    return len(body.joints) == len(source.joints) and all(
-        (a.name, a.parent, a.offset, a.orientation) == (b.name, b.parent, b.offset, b.orientation)
-        for a, b in zip(body.joints, source.joints, strict=True)
-    )
+    theirs = {joint.name: joint for joint in body.joints}
+    if len(theirs) < len(body.joints) or len({joint.name for joint in source.joints}) < len(source.joints):
+        return False  # names that stand twice name nothing
+    for joint in source.joints:
+        other = theirs.get(joint.name)
+        if other is None or not np.allclose(joint.offset, other.offset, atol=1e-4):
+            return False
+        above = [s.joints[j.parent].name if j.parent >= 0 else "" for s, j in ((source, joint), (body, other))]
+        if above[0] != above[1] or not np.allclose(joint.orientation, other.orientation, atol=1e-6):
+            return False
+    return True

@@ -42,7 +42,8 @@ def figure_of(clip: Clip) -> tuple[Body, Motion]:
         return made_of_bones(clip.motion.skeleton), clip.motion
     if clip.outfit.joint_map is None and avatar.skeleton == clip.motion.skeleton:
         return avatar, clip.motion
-    if has_joints_of(avatar.skeleton, clip.motion.skeleton) and avatar is clip.body:
+    names = [[joint.name for joint in skeleton.joints] for skeleton in (avatar.skeleton, clip.motion.skeleton)]
+    if names[0] == names[1] and has_joints_of(avatar.skeleton, clip.motion.skeleton):
         return replace(avatar, skeleton=clip.motion.skeleton), clip.motion
     return avatar, _retargeted(clip, avatar.skeleton).motion
 

@@ -12,16 +12,18 @@ from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.fast_kinematics import world_from_joint_fast
 from qmd_studio.motion.kinematics import rest_values
 from qmd_studio.motion.motion import Motion
+from qmd_studio.motion.retarget import retargeting
 from qmd_studio.tuning.encode_settings import COMPACT_DEFAULT, EncodeSettings
 from qmd_studio.tuning.lab_session import LabSession
 
 
 def warm_up(n_frames: int = 400) -> None:
-    """Encode, decode and measure a small motion with every profile and encoder of the lab."""
+    """Encode, decode and measure a small motion with every profile and encoder of the lab, and put it on a body."""
     skeleton = bap_skeleton()
     steps = np.random.default_rng(0).normal(scale=1e-3, size=(n_frames, skeleton.n_columns))
     motion = Motion(skeleton, rest_values(skeleton) + np.cumsum(steps, axis=0), 30.0)
     world_from_joint_fast(skeleton, motion.X[:1])
+    retargeting(skeleton, skeleton.scaled(0.7)).motion(motion)
     session = LabSession(motion)
     codings = [QmdSettings(encoder=encoder) for encoder in (Encoder.PAPER, Encoder.PLAIN, Encoder.CLOSED)]
     each: list[EncodeSettings] = [*map(EncodeSettings, codings), EncodeSettings(COMPACT_DEFAULT)]

@@ -48,10 +48,12 @@ def _warm_up(stage: Stage) -> None:
 def _warm_kinematics(ready: list[Kinematics]) -> None:
     from qmd_studio.motion.bap import bap_skeleton
     from qmd_studio.motion.fast_kinematics import world_from_joint_fast
+    from qmd_studio.motion.retarget import retargeting
 
     skeleton = bap_skeleton()
-    world_from_joint_fast(skeleton, rest_values(skeleton)[None])
+    world = world_from_joint_fast(skeleton, rest_values(skeleton)[None])
     ready.append(world_from_joint_fast)
+    retargeting(skeleton, skeleton.scaled(0.7)).pose(world)
 
 
 def _bring_lab(window: MainWindow) -> None:

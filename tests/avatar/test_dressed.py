@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 from generated_motion import walker
 
+from qmd_studio import assets
 from qmd_studio.avatar.bone_body import bone_body
 from qmd_studio.avatar.dressed import dress
 from qmd_studio.avatar.humanoid import Displacer
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.joint_map import match_joints
 from qmd_studio.motion.kinematics import world_from_joint
+from qmd_studio.motion.retarget import retargeting
+from qmd_studio.registry import open_body, open_file
 
 
 def test_body_with_the_motions_joints_takes_its_poses_as_they_are():
@@ -22,6 +25,18 @@ def test_body_with_the_motions_joints_takes_its_poses_as_they_are():
     assert (dressed.body, dressed.note) == (body, "")
     assert dress(motion, None).body.skeleton == motion.skeleton
     np.testing.assert_array_equal(dressed.poses([2, 3]), world_from_joint(body.skeleton, motion.X[2:4]))
+
+
+def test_body_with_more_joints_carries_them_along_as_retargeting_does():
+    motion, ada = open_file(assets.resource("motions", "wave.bap")).motion, open_body("ada").body
+    dressed = dress(motion, ada)
+    assert dressed.fit.way is None
+    assert len(ada.skeleton.joints) > len(motion.skeleton.joints)
+    frames = [0, 40, 90]
+    source = world_from_joint(motion.skeleton, motion.X[frames])
+    np.testing.assert_allclose(
+        dressed.poses(frames), retargeting(motion.skeleton, ada.skeleton).pose(source), atol=1e-9
+    )
 
 
 def test_body_of_another_size_turns_as_the_motion_does_on_bones_of_its_own():

@@ -19,9 +19,12 @@ from PySide6.QtCore import QPointF
 from PySide6.QtWidgets import QApplication
 
 from qmd_studio.avatar.bone_body import bone_body
+from qmd_studio.avatar.dressed import dress
 from qmd_studio.avatar.humanoid import Surface
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.kinematics import rest_values, world_from_joint
+from qmd_studio.motion.motion import Motion
+from qmd_studio.registry import default_body
 from qmd_studio.render.quality import LADDER
 from qmd_studio.render.scene import Actor, Look
 from qmd_studio.ui.viewport import Viewport
@@ -37,12 +40,13 @@ def actors(motion, stride=4):
 
 
 def default_actors():
+    """The default avatar, its joints swaying a little."""
     skeleton = bap_skeleton()
     X = np.repeat(rest_values(skeleton)[None], 120, axis=0)
     turning = [c for c, column in enumerate(skeleton.columns) if column.unit == "rad"]
     X[:, turning] = 0.05 * np.sin(np.linspace(0, 12, 120))[:, None]
-    body = bone_body(skeleton)
-    return [Actor(body, world) for world in world_from_joint(skeleton, X)]
+    dressed = dress(Motion(skeleton, X, 30.0), default_body())
+    return [Actor(dressed.body, world) for world in dressed.poses(slice(None))]
 
 
 def crowd(frames, n_bodies=4):
