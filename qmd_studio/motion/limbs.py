@@ -32,12 +32,19 @@ class Limbs:
 
 
 def node_tree(skeleton: Skeleton) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]:
-    """Return the parent of each node, -1 for a root, and the child nodes of each joint."""
+    """Return the parent of each node, -1 for a root, and the child nodes of each joint.
+
+    End sites that are not measured are landmarks on the skin rather than ends of bones: a joint that has anything else
+    below it does not count them.
+    """
     parents = tuple(j.parent for j in skeleton.joints) + tuple(s.joint for s in skeleton.end_sites)
     children: list[list[int]] = [[] for _ in skeleton.joints]
-    for node, parent in enumerate(parents):
-        if parent >= 0:
-            children[parent].append(node)
+    bones = set(range(len(skeleton.joints))) | set(skeleton.points)
+    for nodes in (sorted(bones), sorted(set(range(len(parents))) - bones)):
+        bare = {joint for joint, below in enumerate(children) if not below}
+        for node in nodes:
+            if parents[node] in bare:
+                children[parents[node]].append(node)
     return parents, tuple(tuple(c) for c in children)
 
 

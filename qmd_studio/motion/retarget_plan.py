@@ -228,9 +228,10 @@ def _angle_limits(column: Column) -> tuple[float, float]:
 
 
 def _bones(skeleton: Skeleton) -> FloatArray:
-    """Unit vectors (J, 3) from each joint to its first child or end site away from it; 0 for none."""
+    """Unit vectors (J, 3) from each joint to its first child or measured end site away from it; 0 for none."""
     bones = np.zeros((len(skeleton.joints), 3))
-    ends = [(site.joint, site.offset) for site in skeleton.end_sites]
+    measured, n_joints = set(skeleton.points), len(skeleton.joints)
+    ends = [(site.joint, site.offset) for k, site in enumerate(skeleton.end_sites) if n_joints + k in measured]
     for parent, offset in (*ends[::-1], *((joint.parent, joint.offset) for joint in skeleton.joints[::-1])):
         length = float(np.linalg.norm(offset))
         if parent >= 0 and length > 1e-9:
