@@ -19,7 +19,7 @@ run:
 
 # xcb: on a Wayland desktop the tests' windows belong on the virtual screen too.
 test: lint
-	QT_QPA_PLATFORM=xcb $(bin)/python -m pytest -q -rs
+	QT_QPA_PLATFORM=xcb $(bin)/python -m pytest -q -rs -n auto --maxprocesses 4 --dist loadfile
 
 lint:
 	@.ci/setup test
