@@ -10,6 +10,9 @@ from qmd_studio.tuning.grid import Column, Grid
 from qmd_studio.tuning.running import run_columns
 from qmd_studio.tuning.trial import Cancel, Evaluator, Never, Trial
 
+WATCHABLE_MM = 5.0
+"""A mean error beyond it is seen by everybody: no trade-off is good there."""
+
 _SMALLEST_ERROR = 1e-9
 """Below it errors count as equal: no logarithm of nothing."""
 
@@ -44,17 +47,19 @@ class Front:
     def knee(self) -> Trial | None:
         """The best trade-off: where the front, both axes logarithmic, bends farthest below the line between its ends.
 
-        None for an empty front; of one or two points the smallest.
+        Points beyond `WATCHABLE_MM` do not count, unless there is nothing else. None for an empty front; of one or two
+        points the smallest.
         """
-        if len(self.points) < 3:
-            return self.points[0] if self.points else None
-        x = [math.log(trial.bytes) for trial in self.points]
-        y = [math.log(max(self.measure(trial), _SMALLEST_ERROR)) for trial in self.points]
+        points = [trial for trial in self.points if trial.mean_mm <= WATCHABLE_MM] or self.points
+        if len(points) < 3:
+            return points[0] if points else None
+        x = [math.log(trial.bytes) for trial in points]
+        y = [math.log(max(self.measure(trial), _SMALLEST_ERROR)) for trial in points]
         width, height = x[-1] - x[0], y[0] - y[-1]
         if not width or not height:
-            return self.points[0]
+            return points[0]
         below = [1 - (a - x[0]) / width - (b - y[-1]) / height for a, b in zip(x, y, strict=True)]
-        return self.points[max(range(len(below)), key=below.__getitem__)]
+        return points[max(range(len(below)), key=below.__getitem__)]
 
 
 def fronts(

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 from PySide6.QtCore import QCoreApplication, QObject, Qt, Signal
 
 from qmd_studio.errors import CodecError, QmdStudioError
+from qmd_studio.ui.libraries import load_libraries
 
 Tell: TypeAlias = Callable[[Any], None]
 Work: TypeAlias = Callable[[threading.Event, Tell], Any]
@@ -80,6 +81,7 @@ class Background(QObject):
 
 def _outcome(work: Work, stop: threading.Event, tell: Tell) -> tuple[str, Any]:
     try:
+        load_libraries()
         return "ended", work(stop, tell)
     except QmdStudioError as problem:
         return "failed", problem

@@ -198,16 +198,20 @@ class CodecLab(QWidget):
 
     def _compare(self) -> None:
         """Say how the sides compare, and have it measured how far B is from A."""
+        self._compare_figures()
         a, b = self.sides[Side.A], self.sides[Side.B]
-        a.figures.compare(b.figures)
-        b.figures.compare(a.figures)
         if a.is_original and b.report is not None:
             self.difference.cancel()
             self.difference_measured.emit(b.report.error)
         elif a.up_to_date and b.up_to_date:
             self.difference.run(difference_of(a.report, b.report))
 
+    def _compare_figures(self) -> None:
+        for side, meter in self.sides.items():
+            meter.figures.compare(self.sides[side.other].figures)
+
     def _fail(self, side: Side, problem: QmdStudioError) -> None:
+        self._compare_figures()
         best = reachable_mm(problem)
         if best is None:
             title = self.tr("The settings of side {side} could not be measured").format(side=side.upper())
@@ -233,6 +237,7 @@ class CodecLab(QWidget):
 
     def _take_stop(self, side: Side) -> None:
         self.knobs.show_stop()
+        self._compare_figures()
         if side is Side.B:
             self.export_bar.take_failure()
 

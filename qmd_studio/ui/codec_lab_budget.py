@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFontMetrics
 from PySide6.QtWidgets import QComboBox, QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from qmd_studio.project.state import Side
@@ -133,3 +134,6 @@ class BudgetPanel(QWidget):
                 self.cells[row, side] = cell
                 grid.addWidget(cell, number + 2, place + 1, Qt.AlignmentFlag.AlignRight)
         grid.setColumnStretch(0, 1)
+        widest = QFontMetrics(tabular(self.font())).horizontalAdvance(f"{kilobytes(900)}, {percent(0.01)}")
+        for column in (1, 2):  # nothing moves when a side becomes known
+            grid.setColumnMinimumWidth(column, widest)

@@ -31,7 +31,7 @@ class CompactKnobs(QWidget):
         self._settings = COMPACT_DEFAULT
         self.measure = ChoiceBar(self.tr("Error"), self._measures(), self)
         self.error = DistanceKnob(
-            "error", title=self.tr("error allowed"), tip=self._error_tip(), default_mm=_DEFAULT_MM, parent=self
+            "error", title=self.tr("Error allowed"), tip=self._error_tip(), default_mm=_DEFAULT_MM, parent=self
         )
         self.cut = ChoiceBar(self.tr("Segments"), self._cuts(), self)
         self._lay_out()
@@ -48,7 +48,7 @@ class CompactKnobs(QWidget):
         worst = settings.max_error_mm is not None
         value = settings.max_error_mm if worst else settings.mean_error_mm
         self.measure.show_choice(_WORST if worst else _MEAN)
-        self.error.label.setText(self.tr("worst error allowed") if worst else self.tr("mean error allowed"))
+        self.error.label.setText(self.tr("Worst error allowed") if worst else self.tr("Mean error allowed"))
         self.error.show_distance(value or _DEFAULT_MM)
         self.cut.show_choice(_CUT if settings.segment else _WHOLE)
         frames = settings.segment or COMPACT_DEFAULT.segment
@@ -97,7 +97,7 @@ class CompactKnobs(QWidget):
         layout.setSpacing(12)
         segments = QVBoxLayout()
         segments.setSpacing(4)
-        segments.addWidget(QLabel(self.tr("segments that play alone"), self))
+        segments.addWidget(QLabel(self.tr("Segments that play alone"), self))
         segments.addWidget(self.cut)
         layout.addWidget(self.measure)
         layout.addWidget(self.error)

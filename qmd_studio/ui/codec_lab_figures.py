@@ -139,6 +139,7 @@ class Figures(QWidget):
         else:  # the size belongs to settings that are no longer shown
             self.numbers = (None, None, None, None)
             self.size.show_value(_NONE)
+            self.size.set_stale(False)
         for figure in self._measured():
             figure.show_value(_NONE)
         self._worst_frame = None

@@ -46,7 +46,7 @@ class PaperKnobs(QWidget):
         )
         self.bound = DistanceKnob(
             "bound",
-            title=self.tr("no joint further off than"),
+            title=self.tr("No joint further off than"),
             tip=self._bound_tip(),
             default_mm=default.max_error_mm,
             parent=self,

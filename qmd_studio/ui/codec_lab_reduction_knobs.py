@@ -55,8 +55,9 @@ class ReductionKnobs(QWidget):
         self.every.show_value(reduction.fps_divisor, self._frames_meaning(frames, fps, reduction))
         columns = self._part(reduction.n_columns(motion.skeleton), motion.skeleton.n_columns, self.tr("columns"))
         self._show_level(reduction, columns)
-        self.fold.setText(f"{frames}, {columns}")
-        self.fold.setAccessibleName(self.tr("Fewer frames and joints: {what}").format(what=self.fold.text()))
+        kept = f"{frames}, {columns}"
+        self.fold.setText(self.tr("Frame rate and joints: all kept") if reduction == Reduction() else kept)
+        self.fold.setAccessibleName(self.tr("Fewer frames and joints: {what}").format(what=kept))
         self._show_room()
 
     def _show_level(self, reduction: Reduction, columns: str) -> None:

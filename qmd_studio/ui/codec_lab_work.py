@@ -12,6 +12,7 @@ from qmd_studio.motion.motion import Motion
 from qmd_studio.tuning.encode_settings import EncodeSettings
 from qmd_studio.tuning.reduction import Reduction
 from qmd_studio.ui.background import Tell, Work
+from qmd_studio.ui.libraries import IMPORTING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,7 +28,8 @@ TELL_EVERY_S = 0.1
 
 def import_plots(_stop: Event, _tell: Tell) -> None:
     """Import what draws plots, which takes a third of a second that the window shall not wait."""
-    import qmd_studio.ui.plot  # noqa: F401
+    with IMPORTING:
+        import qmd_studio.ui.plot  # noqa: F401
 
 
 def sweep_work(motion: Motion, base: QmdSettings, reduction: Reduction, known: list[Trial]) -> Work:

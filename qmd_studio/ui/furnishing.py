@@ -14,6 +14,7 @@ from qmd_studio.ui.codec_lab import CodecLab
 from qmd_studio.ui.codec_lab_export import ask_for_path
 from qmd_studio.ui.comparison import Comparison
 from qmd_studio.ui.error_strip import ErrorStrip
+from qmd_studio.ui.libraries import load_libraries
 from qmd_studio.ui.panels import LAB_MIN_WIDTH
 from qmd_studio.ui.stage import Stage, Take
 
@@ -46,6 +47,7 @@ def _warm_up(stage: Stage) -> None:
 
 
 def _warm_kinematics(ready: list[Kinematics]) -> None:
+    load_libraries()
     from qmd_studio.motion.bap import bap_skeleton
     from qmd_studio.motion.fast_kinematics import world_from_joint_fast
     from qmd_studio.motion.retarget import retargeting

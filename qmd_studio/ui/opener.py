@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, QRunnable, QThreadPool, Signal
 
 from qmd_studio.errors import QmdStudioError
 from qmd_studio.project.clip import Clip
+from qmd_studio.ui.libraries import load_libraries
 
 _log = logging.getLogger(__name__)
 
@@ -108,6 +109,7 @@ class _Reading(QRunnable):
 
 def read_clip(path: Path) -> Clip:
     """Return the clip of the file `path`, with all that showing it needs made ready; raises `QmdStudioError`."""
+    load_libraries()
     from qmd_studio.project.clip import clip_from
     from qmd_studio.registry import default_body, open_file
     from qmd_studio.ui.stage import prepare

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from html import escape
 
 import pyqtgraph
 from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 Points = Sequence[tuple[float, float]]
 
-LINE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
-"""After Okabe and Ito: told apart by all, on light and on dark ground."""
+LINE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#c0639a", "#b87700")
+"""After Okabe and Ito, told apart by all; the last two darker, so that each has 3:1 on light and on dark ground."""
 _SYMBOLS = ("o", "t", "s", "d", "star")
+_SIGNS = ("●", "▼", "■", "◆", "★")
+"""The same in letters."""
+_LINE_SIGN = "━"
 _HEIGHT = 168
 _AXIS_WIDTH = 48
 _PADDING = 0.12
+_LEAST_DECADES = 0.7
+"""A logarithmic axis shows no less: two numbers at least then stand at it."""
 
 
 class _Axis(pyqtgraph.AxisItem):
@@ -54,8 +60,11 @@ class Plot(QWidget):
         self.item.setLogMode(*log)
         self.item.getAxis("left").setWidth(_AXIS_WIDTH)
         self.item.getViewBox().setDefaultPadding(_PADDING)
-        below = -1 if log[1] else 1  # sizes leave the upper left free, errors the lower left
-        self._legend = self.item.addLegend(offset=(6, 2 * below), labelTextSize="8pt", verSpacing=-6, colCount=2)
+        least = [_LEAST_DECADES if each else None for each in log]
+        self.item.getViewBox().setLimits(minXRange=least[0], minYRange=least[1])
+        self.legend = QLabel(self)  # above the plot, where no line runs through it
+        self.legend.setContentsMargins(_AXIS_WIDTH, 0, 0, 0)
+        self._named: list[str] = []
         self._view.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._lines: dict[str, pyqtgraph.PlotDataItem] = {}
         self.dots = pyqtgraph.ScatterPlotItem(size=8, hoverable=True, tip=None)
@@ -63,9 +72,11 @@ class Plot(QWidget):
         self.dots.sigClicked.connect(self._pick)
         self.item.addItem(self.dots)
         self.dots.setZValue(5)
-        self.setFixedHeight(_HEIGHT)
+        self._view.setFixedHeight(_HEIGHT)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addWidget(self.legend)
         layout.addWidget(self._view)
         self._dress()
 
@@ -74,6 +85,7 @@ class Plot(QWidget):
         if name not in self._lines:
             colour = LINE_COLOURS[len(self._lines) % len(LINE_COLOURS)]
             self._lines[name] = self.item.plot([], [], name=name, pen=pyqtgraph.mkPen(colour, width=1))
+            self._name(_LINE_SIGN, colour, name)
         self._lines[name].setData([x for x, _ in points], [y for _, y in points])
 
     def points_of(self, name: str) -> list[tuple[float, float]]:
@@ -101,8 +113,7 @@ class Plot(QWidget):
         """Say in the legend what the kinds of dots are called, those with a name."""
         for kind, name in enumerate(names):
             if name:
-                sample = pyqtgraph.ScatterPlotItem(symbol=_SYMBOLS[kind], brush=LINE_COLOURS[kind], pen=None, size=8)
-                self._legend.addItem(sample, name)
+                self._name(_SIGNS[kind], LINE_COLOURS[kind], name)
 
     def show_mark(self, name: str, point: tuple[float, float] | None) -> None:
         """Put the mark called `name` at `point`, or nowhere."""
@@ -131,8 +142,12 @@ class Plot(QWidget):
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
-        if event.type() in (QEvent.Type.PaletteChange, QEvent.Type.StyleChange) and hasattr(self, "_legend"):
+        if event.type() in (QEvent.Type.PaletteChange, QEvent.Type.StyleChange) and hasattr(self, "legend"):
             self._dress()
+
+    def _name(self, sign: str, colour: str, name: str) -> None:
+        self._named.append(f'<span style="color:{colour}">{sign}</span>&nbsp;{escape(name)}')
+        self.legend.setText("&nbsp;&nbsp; ".join(self._named))
 
     def _place(self, point: tuple[float, float]) -> tuple[float, float]:
         """Return where an item stands that does not know of logarithmic axes."""
@@ -150,9 +165,6 @@ class Plot(QWidget):
         faint = QColor(muted)
         faint.setAlphaF(0.2)
         self.item.showGrid(x=True, y=True, alpha=0.15)
-        self._legend.setLabelTextColor(ink)
-        for _, label in self._legend.items:
-            label.setText(label.text)  # takes the colour on
         for spot, text in self.marks.values():
             spot.setPen(pyqtgraph.mkPen(ink, width=2))
             spot.setBrush(palette.color(QPalette.ColorRole.Base))

@@ -15,6 +15,7 @@ from PySide6.QtCore import QCoreApplication, QObject, Qt, Signal
 from qmd_studio.errors import CodecError, QmdStudioError
 from qmd_studio.motion.motion import Motion
 from qmd_studio.tuning.encode_settings import EncodeSettings
+from qmd_studio.ui.libraries import load_libraries
 
 if TYPE_CHECKING:
     from qmd_studio.tuning.lab_report import LabReport
@@ -209,6 +210,7 @@ def _outcome(job: Job, sessions: OrderedDict[Motion, LabSession]) -> LabReport |
 
 
 def _session(motion: Motion, sessions: OrderedDict[Motion, LabSession]) -> LabSession:
+    load_libraries()
     from qmd_studio.tuning.lab_session import LabSession  # compiled kernels come with it: not before they are wanted
 
     session = sessions.get(motion)

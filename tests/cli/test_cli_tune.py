@@ -120,7 +120,9 @@ def test_a_long_search_shows_how_far_it_is_and_ends_by_ctrl_c(tmp_path: Path) ->
         "--grid",
         "wide",
     ]
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a child of a job in the background ignores it
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=theirs) as process:
+        signal.signal(signal.SIGINT, before)
         os.close(theirs)
         shown = b""
         while not re.search(rb"[1-9]\d* of \d", shown):  # what comes first is "0 of 1"

@@ -53,7 +53,7 @@ def test_compact_profile_costs_less_file_and_more_work_and_memory():
     assert compact.file_bytes < paper.file_bytes / 2
     assert compact.instructions_per_frame > 10 * paper.instructions_per_frame
     assert paper.work_bytes == 0
-    assert 20_000 < compact.work_bytes < 40_000
+    assert 20_000 < compact.work_bytes < 60_000  # two blocks of up to 60 frames, the models, the key poses
     assert compact.ram_on(device("cortex-m4")) == compact.state_bytes + compact.pose_bytes + compact.work_bytes
 
 

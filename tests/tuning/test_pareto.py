@@ -36,6 +36,14 @@ def test_the_knee_is_where_the_front_bends():
     assert (front.knee.bytes, front.knee.def_) == (110, 10.0)
 
 
+def test_the_knee_is_not_where_the_body_falls_apart():
+    points = [(10, 30.0, 90.0), (20, 2.0, 20.0), (1000, 0.5, 4.0), (2000, 0.01, 0.1), (9000, 0.005, 0.05)]
+    front = Front().with_trials([Trial(EncodeSettings(), size, def_, mean, 0) for size, def_, mean in points])
+    assert front.knee.bytes == 2000
+    hopeless = Front().with_trials([Trial(EncodeSettings(), 10, 30.0, 90.0, 0)])
+    assert hopeless.knee.bytes == 10
+
+
 def test_it_fills_in_while_it_runs_and_ends_whole():
     motion = walker(100)
     runs = [(evaluator_for(motion, QmdSettings(encoder=e)), wide_grid(motion)) for e in FAST_ENCODERS]

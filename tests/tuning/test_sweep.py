@@ -7,6 +7,7 @@ import pytest
 
 from qmd_studio.codecs.qmd.settings import Encoder, QmdSettings
 from qmd_studio.tuning.evaluator import evaluator_for
+from qmd_studio.tuning.reduction import Reduction
 from qmd_studio.tuning.session import TuningSession
 from qmd_studio.tuning.sweep import FIGURE_BITS, coarse_first, def_lines, drawn_def, size_lines, sweep
 from qmd_studio.tuning.trade_off import lab_fronts, lab_grid
@@ -58,7 +59,7 @@ def test_a_sweep_that_is_stopped_leaves_no_thread(motion):
 
 
 def test_the_front_takes_the_best_of_all_encoders_within_the_raw_size(motion):
-    *_, front = lab_fronts(motion, QmdSettings(), threading.Event())
+    *_, front = lab_fronts(motion, QmdSettings(), (Reduction(),), threading.Event())
     assert front.done == front.total
     sizes = [trial.bytes for trial in front.points]
     errors = [trial.def_ for trial in front.points]

@@ -233,7 +233,7 @@ def test_fewer_frames_and_joints_are_in_size_error_and_file(qtbot, lab_window, t
     lab, document = lab_window.lab, lab_window.document
     whole = lab.report
     knobs = lab.knobs.reduction
-    assert knobs.fold.text() == "all 150 frames, all 62 columns"
+    assert knobs.fold.text() == "Frame rate and joints: all kept"
     assert not knobs.every.isVisible()
     press(knobs.fold)
     knobs.every.spin.setValue(3)
