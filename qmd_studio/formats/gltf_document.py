@@ -249,8 +249,8 @@ def _strided(
     document: Document, entry: Record, count: int, *, kind: np.dtype[Any], width: int, at: str
 ) -> NDArray[Any]:
     """Return elements (count, width) of a buffer view, which may lie apart by a stride."""
-    data = view_bytes(document, entry["bufferView"], at)
-    view = item(document, "bufferViews", entry["bufferView"])
+    data = view_bytes(document, entry.get("bufferView"), at)
+    view = item(document, "bufferViews", entry.get("bufferView"))
     size = kind.itemsize * width
     stride = whole(view.get("byteStride", size), f"{at}, byteStride", below=256) or size
     start = whole(entry.get("byteOffset", 0), f"{at}, byteOffset", below=len(data) + 1)

@@ -29,6 +29,8 @@ from qmd_studio.motion.skeleton import (
 )
 
 MAX_JOINT_FRAMES = 3_000_000
+USUAL_JOINT_FRAMES = 400_000
+"""So many poses of joints any file may ask for; of more only one that has at least as many numbers itself."""
 _MOVES_M = 1e-6
 _BLOCK = 256
 
@@ -77,15 +79,17 @@ def figure_of(document: Document, tree: Tree, metres_per_unit: float) -> Figure:
     return Figure(tree, parents, world, rest, np.linalg.inv(bound), scale, tuple(owner))
 
 
-def posed(figure: Figure, tracks: list[Track], times: FloatArray, unit: float) -> tuple[FloatArray, FloatArray]:
-    """Return for each frame and joint its turn against rest (F, J, 3, 3) and its offset (F, J, 3) metres.
+def check_length(document: Document, tree: Tree, n_frames: int) -> None:
+    """Raise `FormatError` for more poses than there is room for: two keys far apart ask for any number of them."""
+    most = min(MAX_JOINT_FRAMES, max(USUAL_JOINT_FRAMES, document.numbers))
+    if n_frames * len(tree.entries) > most * 4 or n_frames * len(tree.joints) > most:
+        got = f"{n_frames} frames of {len(tree.joints)} joints"
+        raise FormatError("the animation is too long", wanted=f"at most {most} poses of joints", got=got)
 
-    Raises `FormatError` for more poses than there is room for.
-    """
+
+def posed(figure: Figure, tracks: list[Track], times: FloatArray, unit: float) -> tuple[FloatArray, FloatArray]:
+    """Return for each frame and joint its turn against rest (F, J, 3, 3) and its offset (F, J, 3) metres."""
     tree = figure.tree
-    if len(times) * len(tree.entries) > MAX_JOINT_FRAMES * 4 or len(times) * len(tree.joints) > MAX_JOINT_FRAMES:
-        got = f"{len(times)} frames of {len(tree.joints)} joints"
-        raise FormatError("the animation is too long", wanted=f"at most {MAX_JOINT_FRAMES} poses of joints", got=got)
     turns = np.empty((len(times), len(tree.joints), 3, 3))
     offsets = np.empty((len(times), len(tree.joints), 3))
     for start in range(0, len(times), _BLOCK):

@@ -14,6 +14,7 @@ from qmd_studio.formats.gltf_document import Document, Record, accessor, item, l
 MAX_JOINTS = 4_000
 SCALE_MATTERS = 1e-3
 """Scales nearer to 1 than this are rounding."""
+_ORTHOGONAL = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,13 +98,17 @@ def local_matrices(translation: FloatArray, rotation: FloatArray, scale: FloatAr
 def rigid(matrices: FloatArray) -> FloatArray:
     """Return matrices (..., 4, 4) without scale and shear: the nearest rotation, and the place as it is.
 
-    A matrix that mirrors or flattens keeps what rotation is nearest.
+    A matrix that mirrors or flattens keeps what rotation is nearest. Those that are rotations already, as nearly all
+    are, stay as they are.
     """
-    u, _, v = np.linalg.svd(matrices[..., :3, :3])
-    turn = u @ v
-    u[..., :, 2] *= np.where(np.linalg.det(turn) < 0, -1.0, 1.0)[..., None]
+    linear = matrices[..., :3, :3]
+    square = np.abs(linear @ np.swapaxes(linear, -1, -2) - np.eye(3)).max(axis=(-1, -2), initial=0.0)
+    other = ~((square < _ORTHOGONAL) & (np.linalg.det(linear) > 0))
     result = matrices.copy()
-    result[..., :3, :3] = u @ v
+    if other.any():
+        u, _, v = np.linalg.svd(linear[other])
+        u[..., :, 2] *= np.where(np.linalg.det(u @ v) < 0, -1.0, 1.0)[..., None]
+        result[other, :3, :3] = u @ v
     return result
 
 

@@ -10,7 +10,7 @@ from qmd_studio.arrays import FloatArray
 from qmd_studio.avatar.humanoid import Body
 from qmd_studio.formats.gltf_animation import USUAL_FPS, Track, frame_times, guessed_fps, sampled, tracks_of
 from qmd_studio.formats.gltf_document import Document, item, listed, name_of, open_document
-from qmd_studio.formats.gltf_figure import Figure, figure_of, moving_joints, posed, skeleton_of, values_of
+from qmd_studio.formats.gltf_figure import Figure, check_length, figure_of, moving_joints, posed, skeleton_of, values_of
 from qmd_studio.formats.gltf_mesh import Parts, parts_of, surface_of
 from qmd_studio.formats.gltf_nodes import SCALE_MATTERS, own_extras, tree_of
 from qmd_studio.formats.length_unit import stature
@@ -34,6 +34,7 @@ def read(data: bytes, options: ReadOptions) -> Loaded:
     parts = parts_of(document, figure)
     fps = _rate(document, tracks, options)
     times = frame_times(tracks, fps) if tracks else np.zeros(1)
+    check_length(document, tree, len(times))
     turns, offsets = posed(figure, tracks, times, unit)
     driven = [(track, k) for track in tracks if track.path == "weights" for k in parts.driven.get(track.node, [])]
     opaque = [(parts.displacers[k].name, parts.displacers[k].joint) for _, k in driven]

@@ -101,12 +101,11 @@ def _spaces(figure: Figure, routed: Routed) -> FloatArray | None:
     moves = still[None] if move is None or move.shape[1] != 3 else move
     first = compose(still, own @ stretch, centre)
     outer = figure.space @ np.linalg.inv(first)  # the unit of length alone
-    n_frames = max(len(turns), len(moves))
-    result = np.empty((n_frames, 4, 4))
-    for frame in range(n_frames):
-        turned = turns[min(frame, len(turns) - 1)] @ stretch
-        result[frame] = outer @ compose(moves[min(frame, len(moves) - 1)], turned, centre)
-    return result
+    linear = turns @ stretch
+    result = np.tile(np.eye(4), (max(len(turns), len(moves)), 1, 1))
+    result[:, :3, :3] = linear
+    result[:, :3, 3] = moves + centre - linear @ centre
+    return np.asarray(outer @ result)
 
 
 def _take_pose(figure: Figure, track: Track) -> None:

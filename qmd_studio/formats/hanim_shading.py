@@ -32,7 +32,8 @@ def corner_normals(view: View, geometry: Node, mesh: Mesh) -> FloatArray | None:
         return None
     values = raw_numbers(node, "vector")
     table = values[: len(values) // 3 * 3].reshape(-1, 3)
-    length = np.linalg.norm(table, axis=1)
+    with np.errstate(over="ignore"):  # a length beyond all numbers is no direction either
+        length = np.linalg.norm(table, axis=1)
     if not (np.isfinite(length) & (length > 0)).all():
         view.warn(node, "some normals have no direction; all are reckoned anew")
         return None

@@ -19,6 +19,8 @@ from qmd_studio.motion.skeleton import EndSite, Skeleton, Vector3
 
 _LOCKED_COSINE = 1e-9
 """Nearer to a gimbal lock than this the first angle carries no information and keeps its last value."""
+_TIE = 1e-12
+"""Ways to write a rotation that are nearer to each other than this many radians do not alternate by rounding."""
 
 
 def as_euler(motion: Motion) -> Motion:
@@ -75,21 +77,29 @@ def _held(values: FloatArray, unknown: np.ndarray[tuple[int, ...], np.dtype[np.b
 
 
 def _continued(principal: FloatArray) -> FloatArray:
-    """Choose for each frame (n_frames, 3), one after the other, the equal triple nearest to the one before."""
-    result = np.empty_like(principal)
-    before = (0.0, 0.0, 0.0)
-    half, full = np.pi, 2 * np.pi
-    for frame, (z, y, x) in enumerate(principal.tolist()):
-        best, least = before, np.inf
-        for triple in ((z, y, x), (z + half, half - y, x + half)):
-            near = tuple(
-                angle + full * round((last - angle) / full) for angle, last in zip(triple, before, strict=True)
-            )
-            distance = sum(abs(angle - last) for angle, last in zip(near, before, strict=True))
-            if distance < least - 1e-12:  # equally near ones do not alternate by rounding
-                best, least = (near[0], near[1], near[2]), distance
-        result[frame] = before = best
-    return result
+    """Choose for each frame (n_frames, 3), one after the other, the equal triple nearest to the one before.
+
+    The other way to write (z, y, x) is (z + 180°, 180° - y, x + 180°). Whether it is nearer to the frame before does not
+    depend on how that one was written, for both then change alike: so each frame says whether to go over or to stay,
+    and the way itself is the parity of all changes up to it. Equally near ones stay.
+    """
+    before = np.concatenate([np.zeros((1, 3)), principal[:-1]])
+    staying = _distance(principal, before)
+    going_over = _distance(_other_way(principal), before)
+    other = np.cumsum(going_over < staying - _TIE) % 2 == 1
+    chosen = np.where(other[:, None], _other_way(principal), principal)
+    steps = np.diff(chosen, axis=0, prepend=0.0)
+    return np.asarray(chosen - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0))
+
+
+def _other_way(angles: FloatArray) -> FloatArray:
+    return np.stack([angles[:, 0] + np.pi, np.pi - angles[:, 1], angles[:, 2] + np.pi], axis=1)
+
+
+def _distance(angles: FloatArray, before: FloatArray) -> FloatArray:
+    """Return how far triples (n_frames, 3) are apart, whole turns left out."""
+    away = angles - before
+    return np.asarray(np.abs(away - 2 * np.pi * np.round(away / (2 * np.pi))).sum(axis=1))
 
 
 def _depth_first(skeleton: Skeleton) -> list[int]:

@@ -448,6 +448,7 @@ HOSTILE = {
     "times that fall": put("animations", 0, "samplers", 0, "input", 5),
     "an unknown interpolation": put("animations", 0, "samplers", 0, "interpolation", "MAGIC"),
     "a long animation": lambda: made().glb().replace(struct.pack("<2f", 0, 2), struct.pack("<2f", 0, 9e5)),
+    "sparse without a view": put("accessors", 0, "sparse", {"count": 1, "indices": {"componentType": 5123}}),
     "lists for objects": put("nodes", [[]]),
     "words for lists": put("nodes", "abc"),
     "no json": lambda: b"glTF",
@@ -469,6 +470,14 @@ def _glb_of(text):
 def test_what_is_hostile_is_refused(make):
     data = make()
     assert isinstance(assert_ends_well(lambda given: load(given, fps=4.0), data), FormatError)
+
+
+def test_two_keys_do_not_ask_for_half_a_million_poses():
+    data = made().glb().replace(struct.pack("<2f", 0, 2), struct.pack("<2f", 0, 4))
+    assert load(data, fps=10_000.0).motion.n_frames == 40_001
+    problem = assert_ends_well(lambda given: load(given, fps=60_000.0), data)
+    assert isinstance(problem, FormatError)
+    assert "too long" in problem.message
 
 
 def test_one_accessor_named_a_thousand_times_is_refused():

@@ -1,5 +1,7 @@
 """Surfaces of H-Anim figures: every geometry, colours, skins by the standard's formula, and what files do wrong."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -115,6 +117,15 @@ def test_normals_of_the_file_are_used():
     short = read(in_segment("<Shape>" + FACES.format("", POINTS, short_normal) + "</Shape>"))
     assert any("fewer entries" in warning for warning in short.warnings)
     np.testing.assert_allclose(short.body.surface.normals, [[0, 0, 1]] * 4, atol=1e-6)
+
+
+def test_normals_beyond_all_numbers_are_reckoned_anew_and_said():
+    # The length of such a vector overflows: that is for the warnings about the file, not for the terminal.
+    normal = "<Normal vector='1e300 0 0 0 0 1 0 0 1 0 1 0'/>"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loaded = read(in_segment("<Shape>" + FACES.format("", POINTS, normal) + "</Shape>"))
+    assert any("no direction" in warning for warning in loaded.warnings)
 
 
 def test_groups_transforms_switches_and_levels_are_walked():

@@ -85,6 +85,22 @@ def test_angles_give_the_rotation_back_even_at_the_gimbal_lock(triples):
     np.testing.assert_allclose(euler_matrix(euler_zyx(rotation), "zyx"), rotation, atol=1e-8)
 
 
+def test_each_triple_is_the_nearest_to_the_one_before():
+    random = np.random.default_rng(3)
+    for size in (0.05, 0.5, 2.0):
+        rotation = euler_matrix(np.cumsum(random.normal(0, size, (300, 3)), axis=0), "zyx")
+        found = euler_zyx(rotation)
+        assert np.abs(found[0]).sum() <= np.abs(other_way(found[0], np.zeros(3))).sum()
+        for before, angles in zip(found[:-1], found[1:], strict=True):
+            assert np.abs(angles - before).max() <= np.pi + 1e-9
+            assert np.abs(angles - before).sum() <= np.abs(other_way(angles, before) - before).sum() + 1e-9
+
+
+def other_way(angles, near):
+    other = np.array([angles[0] + np.pi, np.pi - angles[1], angles[2] + np.pi])
+    return other - 2 * np.pi * np.round((other - near) / (2 * np.pi))
+
+
 def test_angles_go_on_over_full_turns_and_past_the_lock():
     turning = np.linspace(0, 6 * np.pi, 200)
     given_angles = np.stack([turning, np.full(200, 0.4), -turning], axis=1)
