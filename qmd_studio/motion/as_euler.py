@@ -79,9 +79,9 @@ def _held(values: FloatArray, unknown: np.ndarray[tuple[int, ...], np.dtype[np.b
 def _continued(principal: FloatArray) -> FloatArray:
     """Choose for each frame (n_frames, 3), one after the other, the equal triple nearest to the one before.
 
-    The other way to write (z, y, x) is (z + 180°, 180° - y, x + 180°). Whether it is nearer to the frame before does not
-    depend on how that one was written, for both then change alike: so each frame says whether to go over or to stay,
-    and the way itself is the parity of all changes up to it. Equally near ones stay.
+    The other way to write (z, y, x) is (z + 180°, 180° - y, x + 180°). Whether it is nearer to the frame before does
+    not depend on how that one was written, for both then change alike: so each frame says whether to go over or to
+    stay, and the way itself is the parity of all changes up to it. Equally near ones stay.
     """
     before = np.concatenate([np.zeros((1, 3)), principal[:-1]])
     staying = _distance(principal, before)

@@ -134,6 +134,6 @@ class BudgetPanel(QWidget):
                 self.cells[row, side] = cell
                 grid.addWidget(cell, number + 2, place + 1, Qt.AlignmentFlag.AlignRight)
         grid.setColumnStretch(0, 1)
-        widest = QFontMetrics(tabular(self.font())).horizontalAdvance(f"{kilobytes(900)}, {percent(0.01)}")
+        widest = QFontMetrics(tabular(self.font())).horizontalAdvance(kilobytes(90))
         for column in (1, 2):  # nothing moves when a side becomes known
             grid.setColumnMinimumWidth(column, widest)

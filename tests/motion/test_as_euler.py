@@ -1,5 +1,7 @@
 """A motion in joint channels moves every node exactly as it moved before."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -91,7 +93,7 @@ def test_each_triple_is_the_nearest_to_the_one_before():
         rotation = euler_matrix(np.cumsum(random.normal(0, size, (300, 3)), axis=0), "zyx")
         found = euler_zyx(rotation)
         assert np.abs(found[0]).sum() <= np.abs(other_way(found[0], np.zeros(3))).sum()
-        for before, angles in zip(found[:-1], found[1:], strict=True):
+        for before, angles in itertools.pairwise(found):
             assert np.abs(angles - before).max() <= np.pi + 1e-9
             assert np.abs(angles - before).sum() <= np.abs(other_way(angles, before) - before).sum() + 1e-9
 
