@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from qmd_studio.formats.scene_graph import Raw
 _SHORT = 160
 """Below this many characters a list of words is quicker than setting up the scanner."""
 _INTEGERS = frozenset({"MFInt32", "SFInt32", "SFImage"})
-_QUOTED = re.compile(r'"((?:[^"\\]++|\\.)*+)"', re.DOTALL)
+_ESCAPED_OR_QUOTE = re.compile(r'\\.|"', re.DOTALL)
 
 
 def parse_numbers(text: str, whole: bool = False) -> FloatArray | IntArray | None:
@@ -59,7 +60,7 @@ def parse_value(kind: str | None, text: str) -> Any:
     if kind == "SFString":
         return text
     if kind == "MFString":
-        quoted = _QUOTED.findall(text)
+        quoted = list(_quoted(text))
         if not quoted and text.strip():
             return (text,)
         return tuple(_unescaped(part) for part in quoted)
@@ -69,6 +70,18 @@ def parse_value(kind: str | None, text: str) -> Any:
         return Raw(text)
     found = parse_numbers(text, kind in _INTEGERS)
     return Raw(text) if found is None else found
+
+
+def closing_quote(text: str, start: int) -> int:
+    """Return where the quotation that begins at `start`, after its quote, is closed; -1 where it is not."""
+    return next((m.start() for m in _ESCAPED_OR_QUOTE.finditer(text, start) if m.group() == '"'), -1)
+
+
+def _quoted(text: str) -> Iterator[str]:
+    start = text.find('"')
+    while start >= 0 and (end := closing_quote(text, start + 1)) >= 0:
+        yield text[start + 1 : end]
+        start = text.find('"', end + 1)
 
 
 def guessed_value(text: str) -> Any:
