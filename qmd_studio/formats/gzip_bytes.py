@@ -7,7 +7,7 @@ import zlib
 
 from qmd_studio.errors import FormatError
 
-MAX_UNPACKED = 256 << 20
+MAX_UNPACKED = 192 << 20
 """More bytes than this are not unpacked."""
 _MAGIC = b"\x1f\x8b"
 _STEP = 1 << 20

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from qmd_studio.arrays import FloatArray
+from qmd_studio.errors import FormatError
 from qmd_studio.formats.hanim_displacers import Found
 from qmd_studio.formats.hanim_figure import Figure
 from qmd_studio.formats.hanim_interpolators import Routed, quaternion_matrices, read_routes
@@ -27,6 +28,8 @@ from qmd_studio.motion.skeleton import ColumnKind
 
 POSE_FPS = 30.0
 """The rate of the one frame that a figure without motion stands in."""
+MAX_VALUES = 20_000_000
+"""Longer motions are refused: frames of one joint ask for values of all."""
 _NO_TURN = (0.0, 0.0, 1.0, 0.0)
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -42,7 +45,7 @@ class Animation:
 
 def motion_of(view: View, figure: Figure, displacers: list[Found], fps: float | None) -> Motion:
     """Return the file's motion on the figure's skeleton, of one frame where nothing moves."""
-    routed = read_routes(view)
+    routed = read_routes(view, len(figure.joints))
     track = read_hanim_motion(view, figure)
     from_routes = track is None
     if track is None:
@@ -64,6 +67,9 @@ def _motion(figure: Figure, animation: Animation, displacers: list[Found], fps: 
     weighed = [(found.name, found.joint) for found in displacers if found.name in animation.weights]
     skeleton = skeleton_of(figure, movers, weighed)
     n_frames, spaces = track.n_frames, animation.spaces
+    if n_frames * max(skeleton.n_columns, 1) > MAX_VALUES:
+        got = f"{n_frames} frames of {len(figure.joints)} joints"
+        raise FormatError("the motion is too long", wanted=f"at most {MAX_VALUES} numbers", got=got)
     if spaces is not None and len(spaces) != n_frames:
         spaces = np.resize(spaces, (n_frames, 4, 4))
     X = motion_values(figure, skeleton, track.turns, track.moves, n_frames=n_frames, spaces=spaces)

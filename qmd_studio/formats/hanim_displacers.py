@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,17 +37,16 @@ def find_displacers(gathered: Gathered) -> list[Found]:
         own = [part.coordinate for part in gathered.parts if part.joint == joint]
         owners.append((joint, segment, coordinate if coordinate is not None else own[0] if own else None))
     found: list[Found] = []
-    names = set(figure.names)
+    names, counts = set(figure.names), Counter[str]()
     seen: set[int] = set()
     for joint, owner, coordinate in owners:
         for _, child in view.children(owner):
             if kind_of(child) == "HAnimDisplacer" and id(child) not in seen:
                 seen.add(id(child))
                 name = base = label(child) or f"{figure.names[joint]} displacer"
-                count = 1
                 while name in names:
-                    count += 1
-                    name = f"{base} #{count}"
+                    counts[base] = max(counts[base], 1) + 1
+                    name = f"{base} #{counts[base]}"
                 names.add(name)
                 if len(found) >= MAX_DISPLACERS:
                     raise FormatError("the figure has too many displacers", wanted=f"at most {MAX_DISPLACERS}")

@@ -15,7 +15,8 @@ from qmd_studio.motion.motion import FRAME_RATES
 SAMPLED_FPS = 30.0
 _FEWEST_FPS = 5.0
 MOST_FRAMES = 20_000
-MOST_VALUES = 20_000_000
+MOST_POSES = 1_000_000
+"""The most frames, and frames times joints, that are made where keys do not come evenly."""
 _KINDS = {"OrientationInterpolator": 4, "PositionInterpolator": 3, "ScalarInterpolator": 1}
 
 
@@ -47,8 +48,8 @@ class Routed:
         return None
 
 
-def read_routes(view: View) -> Routed:
-    """Return what TimeSensors drive in the scene, directly or through one interpolator."""
+def read_routes(view: View, n_joints: int) -> Routed:
+    """Return what TimeSensors drive in the scene, directly or through one interpolator, for a figure of `n_joints`."""
     named = view.named()
     routes = view.routes()
     cycles = _driven_by_time(view, routes, named)
@@ -63,7 +64,7 @@ def read_routes(view: View) -> Routed:
         channel = _channel(view, route, (source, target), cycles)
         if channel is not None:
             routed.channels.append(channel)
-    _choose_rate(view, routed)
+    _choose_rate(view, routed, n_joints)
     return routed
 
 
@@ -120,7 +121,7 @@ def _cycle(view: View, sensor: Node) -> float:
     return cycle
 
 
-def _choose_rate(view: View, routed: Routed) -> None:
+def _choose_rate(view: View, routed: Routed, n_joints: int) -> None:
     """Sample at the keys where all are even and as many, as in a motion that was saved, else 30 times a second."""
     moving = [channel for channel in routed.channels if len(channel.keys) > 1]
     if not moving:
@@ -136,7 +137,7 @@ def _choose_rate(view: View, routed: Routed) -> None:
             routed.n_frames = count
             return
     routed.n_frames = round(longest * SAMPLED_FPS) + 1
-    most = min(MOST_FRAMES, MOST_VALUES // (4 * len(moving)))
+    most = min(MOST_FRAMES, MOST_POSES // max(n_joints, len(moving)))
     if routed.n_frames > most:
         view.notes.append(f"the animation lasts {longest:g} s; the first {most / SAMPLED_FPS:g} s are opened")
         routed.n_frames = max(most, 1)

@@ -14,6 +14,8 @@ from qmd_studio.formats.hanim_figure import Figure
 from qmd_studio.formats.hanim_view import View, integers, numbers
 
 _ROUNDING = 1e-4
+MAX_INFLUENCES = 16
+"""So many joints a point may follow; real skins have up to 10."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +28,7 @@ class Binding:
 
 def skin_binding(view: View, figure: Figure, n_points: int) -> Binding:
     """Return what each of the skin's points follows; what is wrong with the weights is a warning."""
-    point, joint, weight = _entries(view, figure, n_points)
+    point, joint, weight = _strongest(view, figure, *_entries(view, figure, n_points))
     joints, weights = _rows(point, joint, weight, n_points)
     total = weights.sum(axis=1)
     over = int((total > 1 + _ROUNDING).sum())
@@ -45,6 +47,26 @@ def skin_binding(view: View, figure: Figure, n_points: int) -> Binding:
     if loose or partly:
         joints, weights = _with_rest(joints, weights, rest, len(figure.joints))
     return Binding(joints, weights)
+
+
+def _strongest(
+    view: View, figure: Figure, point: IntArray, joint: IntArray, weight: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return the entries, sorted by point, without the weakest of points that follow too many joints."""
+    counts = np.bincount(point)
+    crowded = int((counts > MAX_INFLUENCES).sum())
+    if not crowded:
+        return point, joint, weight
+    view.warn(
+        figure.humanoid, f"{crowded} points of the skin follow over {MAX_INFLUENCES} joints; the strongest are kept"
+    )
+    order = np.lexsort((-weight, point))
+    point, joint, weight = point[order], joint[order], weight[order]
+    kept = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts) < MAX_INFLUENCES
+    before = np.bincount(point, weight)
+    point, joint, weight = point[kept], joint[kept], weight[kept]
+    after = np.maximum(np.bincount(point, weight, minlength=len(before)), 1e-30)
+    return point, joint, weight * (before / after)[point]
 
 
 def _rows(point: IntArray, joint: IntArray, weight: FloatArray, n_points: int) -> tuple[IntArray, FloatArray]:

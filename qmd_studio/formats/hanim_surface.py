@@ -19,7 +19,8 @@ from qmd_studio.formats.scene_graph import MAX_DEPTH, Node, title
 from qmd_studio.motion.skeleton import LARGEST
 
 MAX_CORNERS = 600_000
-"""A figure with more corners of triangles is refused: USE could make thousands of copies of one mesh."""
+MAX_PARTS = 8_000
+"""A figure of more corners of triangles or meshes is refused: USE could make thousands of copies of one mesh."""
 _SMOOTH_FROM = 0.5
 """Crease angles from here on, in radians, are shown with shared normals, smaller ones with flat faces."""
 _GROUPS = frozenset(
@@ -162,6 +163,8 @@ def _add(gathered: Gathered, shape: Node, matrix: FloatArray, joint: int) -> Non
     if found is None:
         return
     geometry, mesh = found
+    if len(gathered.parts) >= MAX_PARTS:
+        raise FormatError("the figure has too many meshes", wanted=f"at most {MAX_PARTS}")
     gathered.n_corners += mesh.triangles.size
     if gathered.n_corners > MAX_CORNERS:
         raise FormatError("the figure's meshes are too large", wanted=f"at most {MAX_CORNERS} corners of triangles")

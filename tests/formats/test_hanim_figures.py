@@ -102,7 +102,33 @@ def doubled(level):
     return f"<Group DEF='G{level}'><Group USE='G{level + 1}'/><Group USE='G{level + 1}'/></Group>"
 
 
+def crowd(n_joints):
+    return "<HAnimJoint DEF='R' name='humanoid_root'>" + "<HAnimJoint/>" * (n_joints - 1) + "</HAnimJoint>"
+
+
+def followed_by_all(n_joints, n_points):
+    weights = "<HAnimJoint skinCoordIndex='0 1 2' skinCoordWeight='1 1 1'/>" * (n_joints - 1)
+    points = f"<Coordinate DEF='C' containerField='skinCoord' point='{'0 0 0 1 0 0 0 1 0 ' * (n_points // 3)}'/>"
+    face = "<IndexedFaceSet coordIndex='0 1 2'><Coordinate USE='C'/></IndexedFaceSet>"
+    joint = f"<HAnimJoint DEF='R' name='humanoid_root'>{weights}</HAnimJoint>"
+    return scene(f"<HAnimHumanoid>{joint}{points}<Shape containerField='skin'>{face}</Shape></HAnimHumanoid>")
+
+
+def driven_by_two_keys(cycle_s):
+    return (
+        f"<TimeSensor DEF='T' cycleInterval='{cycle_s}'/>"
+        "<OrientationInterpolator DEF='O' key='0 1' keyValue='0 0 1 0 0 0 1 1'/>"
+        "<ROUTE fromNode='T' fromField='fraction_changed' toNode='O' toField='set_fraction'/>"
+        "<ROUTE fromNode='O' fromField='value_changed' toNode='R' toField='set_rotation'/>"
+    )
+
+
 HOSTILE = {
+    "a long motion of one of many joints": scene(
+        f"<HAnimHumanoid>{crowd(1900)}<HAnimMotion joints='humanoid_root' channels='1 Xrotation' "
+        f"values='{'0 ' * 500_000}'/></HAnimHumanoid>"
+    ),
+    "thousands of boxes": segment("<Shape DEF='S'><Box/></Shape>" + "<Shape USE='S'/>" * 9000),
     "not x3d": "<html/>",
     "empty": scene(""),
     "no joints": scene("<HAnimHumanoid/>"),
@@ -127,6 +153,18 @@ HOSTILE = {
 @pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
 def test_what_is_hostile_or_no_figure_is_refused(text):
     assert isinstance(assert_ends_well(read, text), FormatError)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        scene(f"<HAnimHumanoid>{crowd(1900)}</HAnimHumanoid>{driven_by_two_keys(900_000)}"),
+        followed_by_all(1900, 60_000),
+    ],
+    ids=["two keys far apart", "points that all joints share"],
+)
+def test_what_asks_for_much_opens_in_little_memory(text):
+    assert assert_ends_well(read, text).skeleton.joints[0].name == "humanoid_root"
 
 
 @pytest.mark.corpus

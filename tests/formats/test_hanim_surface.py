@@ -228,6 +228,18 @@ def test_ten_joints_can_share_a_point():
     np.testing.assert_allclose(loaded.body.surface.weights.sum(axis=1), 1, rtol=1e-6)
 
 
+def test_a_point_follows_the_strongest_of_too_many_joints_and_it_is_said():
+    arms = "".join(
+        f"<HAnimJoint name='j{k}' skinCoordIndex='0' skinCoordWeight='{0.5 if k == 20 else 0.01}'/>" for k in range(40)
+    )
+    loaded = read(figure().replace("center='0.5 1.5 0.1' />", f"center='0.5 1.5 0.1'>{arms}</HAnimJoint>"))
+    surface, names = loaded.body.surface, [joint.name for joint in loaded.skeleton.joints]
+    assert surface.joints.shape[1] <= 17  # the figure itself may have a share too
+    assert surface.joints[0, 0] == names.index("j20")
+    assert surface.weights[0].sum() == pytest.approx(1)
+    assert warned(loaded, "strongest are kept")
+
+
 def test_an_equal_copy_of_the_skins_points_is_taken_for_them_and_said():
     weights = "skinCoordIndex='0 1 2 3 4' skinCoordWeight='1 1 1 1 1'"
     copy = read(figure(weights, skin=f"<Coordinate point='{SKIN}'/>"))
