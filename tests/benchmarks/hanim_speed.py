@@ -3,6 +3,7 @@
 import time
 from xml.etree import ElementTree
 
+import bench_motion  # noqa: F401  - it finds the package
 import numpy as np
 
 from qmd_studio.avatar.humanoid import Body, Surface

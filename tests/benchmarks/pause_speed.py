@@ -86,7 +86,7 @@ class Bench:
 
     def drag(self, name):
         """Draw a slider to and fro as a hand does, a step every display frame."""
-        slider = getattr(self.window.lab.knobs, name).slider
+        slider = getattr(self.window.lab.knobs.paper, name).slider
         start, (low, high) = slider.value(), (slider.minimum(), slider.maximum())
         self.heart.rest()
         slider.setSliderDown(True)
@@ -160,7 +160,7 @@ def main():
     bench.settle()
     bench.heart.rest()
     saver = Saver(window)
-    saver.save(folder / "out.bvh", window.document.state.active_clip.motion)
+    saver.save(folder / "out.bvh", window.document.state.active_clip)
     bench.live(1.5)
     saver.wait()
     bench.told("saving a BVH")

@@ -8,7 +8,6 @@ from typing import Any
 from qmd_studio.codecs.compact.payload import unpack
 from qmd_studio.codecs.compact.progress import UNWATCHED, Watch
 from qmd_studio.codecs.compact.settings import CompactSettings
-from qmd_studio.codecs.compact.target import meet_target
 from qmd_studio.codecs.qmd import container
 from qmd_studio.codecs.qmd.skeleton_block import pack_skeleton_block
 from qmd_studio.codecs.qmd.units import motion_matrix
@@ -33,6 +32,8 @@ def encode(
     Raises `CodecError` for settings out of range, a motion that the profile cannot hold, and an error that it cannot
     keep to; `EncodingCancelledError` where `watch` stops it.
     """
+    from qmd_studio.codecs.compact.target import meet_target  # whoever only reads a file waits for no encoder
+
     settings = settings.checked(motion.n_frames)
     outcome = meet_target(motion, settings, watch)
     block = pack_skeleton_block(motion) if with_skeleton else b""
