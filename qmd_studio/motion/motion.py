@@ -57,7 +57,7 @@ class Motion:
         if len(X) == 0:
             raise FormatError("the motion has no frame", wanted="at least 1 frame", got="0")
         check_frame_rate(self.fps)
-        if not -LARGEST <= X.min() <= X.max() <= LARGEST:  # false of NaN, too
+        if X.size and not -LARGEST <= X.min() <= X.max() <= LARGEST:  # NaN is neither
             self._check_values(X)
         if self.mask is not None:
             mask = _read_only(np.ascontiguousarray(self.mask, dtype=np.bool_))
