@@ -12,6 +12,7 @@ from qmd_studio.formats.hanim_displacers import Found
 from qmd_studio.formats.hanim_figure import Figure
 from qmd_studio.formats.hanim_interpolators import Routed, quaternion_matrices, read_routes
 from qmd_studio.formats.hanim_motion import Track, read_hanim_motion
+from qmd_studio.formats.hanim_poses import read_poses
 from qmd_studio.formats.hanim_skeleton import motion_values, skeleton_of
 from qmd_studio.formats.hanim_view import (
     View,
@@ -55,9 +56,9 @@ def motion_of(view: View, figure: Figure, displacers: list[Found], fps: float | 
     animation = Animation(track)
     _take_routes(figure, routed, animation, displacers)
     if from_routes and not (track.turns or track.moves or animation.weights or animation.spaces is not None):
-        track.fps, track.n_frames = POSE_FPS, 1
+        track = animation.track = read_poses(view, figure) or Track(POSE_FPS, 1)
     _take_pose(figure, track)
-    _say_what_is_left(view, figure, routed, displacers)
+    _say_what_is_left(view, figure, routed, displacers, posed=track.name == "poses")
     return _motion(figure, animation, displacers, fps)
 
 
@@ -127,7 +128,7 @@ def _take_pose(figure: Figure, track: Track) -> None:
                 track.moves[joint] = move[None]
 
 
-def _say_what_is_left(view: View, figure: Figure, routed: Routed, displacers: list[Found]) -> None:
+def _say_what_is_left(view: View, figure: Figure, routed: Routed, displacers: list[Found], *, posed: bool) -> None:
     """Name what routes drive and nothing shows, the scripts and sensors, and the poses."""
     shown = {id(node) for node in (*figure.joints, figure.humanoid, *(found.node for found in displacers))}
     for channel in routed.channels:
@@ -145,5 +146,5 @@ def _say_what_is_left(view: View, figure: Figure, routed: Routed, displacers: li
     if view.every("CoordinateInterpolator"):
         view.warnings.append("CoordinateInterpolators move points of meshes, which is not played")
     poses = [label(node) or title(node) for node in view.every("HAnimPose")]
-    if poses:
-        view.notes.append(f"poses in the file: {', '.join(poses)}")
+    if poses and not posed:
+        view.notes.append(f"poses in the file, which plays its motion: {', '.join(poses)}")

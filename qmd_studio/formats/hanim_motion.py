@@ -48,6 +48,13 @@ def word_of(name: str) -> str:
     return re.sub(r"[\s,]+", "_", name) or "_"
 
 
+def joint_numbers(figure: Figure) -> dict[str, int]:
+    """Return the number of each joint by its name, as one word and in H-Anim's other spellings too."""
+    numbers = {name: number for number, name in reversed(list(enumerate(figure.names)))}
+    numbers = {word_of(name): number for name, number in numbers.items()} | numbers
+    return {canonical_joint(name): number for name, number in numbers.items()} | numbers
+
+
 def _track(view: View, figure: Figure, node: Node) -> Track | None:
     joints = text(node, "joints").replace(",", " ").split()
     groups = _channels(view, node)
@@ -67,9 +74,7 @@ def _track(view: View, figure: Figure, node: Node) -> Track | None:
         view.warn(node, "some of its values are not finite; they are taken as 0")
         table = np.where(np.isfinite(table), table, 0.0)
     track = Track(_rate(view, node), len(table), name=label(node))
-    numbers = {name: number for number, name in reversed(list(enumerate(figure.names)))}
-    numbers = {word_of(name): number for name, number in numbers.items()} | numbers
-    numbers = {canonical_joint(name): number for name, number in numbers.items()} | numbers
+    numbers = joint_numbers(figure)
     start = 0
     unknown = []
     for name, group in zip(joints, groups, strict=False):

@@ -117,10 +117,19 @@ def test_too_few_values_leave_the_figure_standing_and_say_so():
     assert any("no multiple" in warning for warning in loaded.warnings)
 
 
-def test_a_pose_is_no_motion_and_adds_no_joint():
-    loaded = read(TREE + "<HAnimPose name='T'><HAnimJoint name='end' rotation='1 0 0 1'/></HAnimPose>")
-    assert (len(loaded.skeleton.joints), loaded.motion.n_frames) == (3, 1)
-    assert loaded.notes == ("poses in the file: T",)
+def test_poses_follow_the_one_that_the_figure_stands_in_and_add_no_joint():
+    poses = "<HAnimPose name='T'><HAnimJoint name='l_ankle' rotation='1 0 0 1.5708'/></HAnimPose><HAnimPose name='I'/>"
+    loaded = read(TREE + poses)
+    assert (len(loaded.skeleton.joints), loaded.motion.n_frames, loaded.motion.duration_s) == (3, 15, 3.0)
+    ends = world_from_joint(loaded.skeleton, loaded.motion.X[[4, 5, 10]])[:, 2, :3, 3]
+    np.testing.assert_allclose(ends, [[0, 3, 0], [0, 2, 1], [0, 3, 0]], atol=1e-4)
+    assert any("T, I" in note for note in loaded.notes)
+
+
+def test_poses_of_a_figure_that_moves_are_named():
+    loaded = read(TREE + "<HAnimPose name='T'/>" + MOTION.format("", CHANNELS, "1 2 3 0 0 0 0"))
+    assert loaded.motion.n_frames == 1
+    assert any(note.endswith("T") for note in loaded.notes)
 
 
 def routed(interpolator, target, clock="cycleInterval='2' loop='true'"):
