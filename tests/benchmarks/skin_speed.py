@@ -1,4 +1,4 @@
-"""Skinning on the processor: the default avatar's vertices and normals, against a loop over joints with 4 × 4 matrices."""
+"""Skinning on the processor: the default avatar, against a loop over joints with 4 × 4 matrices."""
 
 import time
 
