@@ -8,8 +8,8 @@ TRUNK, ARM, LEG, SHOE = 0, 1, 2, 3
 """Registers; all end in the first, and the others still hold their limb alone."""
 
 _TORSO = (  # y, centre x, centre z, half width, half depth
-    (0.815, 0.0, 0.000, 0.110, 0.070),
-    (0.850, 0.0, -0.002, 0.138, 0.098),
+    (0.832, 0.0, 0.000, 0.104, 0.070),
+    (0.860, 0.0, -0.002, 0.140, 0.098),
     (0.900, 0.0, -0.006, 0.1520, 0.108),
     (0.950, 0.0, -0.006, 0.1510, 0.109),
     (1.000, 0.0, -0.005, 0.147, 0.107),
@@ -26,8 +26,8 @@ _TORSO = (  # y, centre x, centre z, half width, half depth
     (1.510, 0.0, -0.028, 0.062, 0.052),
 )
 _UPPER_ARM = (
-    (1.465, 0.1900, -0.0400, 0.034, 0.038),
-    (1.430, 0.1960, -0.0400, 0.0400, 0.044),
+    (1.468, 0.1850, -0.0400, 0.036, 0.040),
+    (1.430, 0.1915, -0.0400, 0.0390, 0.044),
     (1.380, 0.2005, -0.0410, 0.0400, 0.045),
     (1.330, 0.2025, -0.0430, 0.0385, 0.0445),
     (1.260, 0.2025, -0.0500, 0.0375, 0.0430),
@@ -48,10 +48,10 @@ _FOREARM = (
 _THIGH = (
     (0.960, 0.0720, -0.006, 0.052, 0.072),
     (0.900, 0.0830, -0.004, 0.0640, 0.0850),
-    (0.850, 0.0915, -0.001, 0.0695, 0.0910),
-    (0.800, 0.0935, 0.002, 0.0690, 0.0870),
-    (0.700, 0.0975, 0.008, 0.0660, 0.0800),
-    (0.600, 0.1005, 0.012, 0.0610, 0.0720),
+    (0.850, 0.0895, -0.001, 0.0740, 0.0910),
+    (0.800, 0.0915, 0.002, 0.0730, 0.0880),
+    (0.700, 0.0965, 0.008, 0.0690, 0.0810),
+    (0.600, 0.1000, 0.012, 0.0630, 0.0730),
     (0.540, 0.1020, 0.012, 0.0580, 0.0660),
     (0.4867, 0.1035, 0.009, 0.0560, 0.0625),
     (0.455, 0.1040, 0.004, 0.0550, 0.0600),
@@ -87,8 +87,8 @@ def add_trunk(put: Placed, chest: float) -> None:
         "trunk", (0.066, 1.325, 0.030 + 0.032 * chest), (0.066, 0.055, 0.046), k=0.045, register=TRUNK
     )  # breast
     put.ellipsoid("trunk", (0.085, 1.330, -0.070), (0.062, 0.085, 0.042), k=0.05, register=TRUNK)  # shoulder blade
-    put.cone("trunk", (0.022, 1.512, -0.044), (0.160, 1.438, -0.045), 0.026, 0.036, k=0.032, register=TRUNK)
-    put.cone("trunk", (0.030, 1.462, 0.006), (0.150, 1.436, -0.010), 0.026, 0.032, k=0.035, register=TRUNK)  # clavicle
+    put.cone("trunk", (0.022, 1.512, -0.044), (0.182, 1.431, -0.042), 0.028, 0.039, k=0.040, register=TRUNK)
+    put.cone("trunk", (0.030, 1.462, 0.006), (0.160, 1.430, -0.014), 0.026, 0.033, k=0.035, register=TRUNK)  # clavicle
     put.thicken("trunk", 0.0030, (0.0, 1.0, 0.0), 0.975, 0.006, register=TRUNK)  # the shirt over the trousers
     put.cone("neck", (0.0, 1.500, -0.034), (0.0, 1.600, -0.010), 0.0480, 0.0460, k=0.026, register=TRUNK)
     put.cone("neck", (0.010, 1.480, 0.016), (0.038, 1.585, -0.018), 0.012, 0.018, k=0.025, register=TRUNK)
@@ -96,8 +96,8 @@ def add_trunk(put: Placed, chest: float) -> None:
 
 def add_arm(put: Placed, sleeve_y: float) -> None:
     """Add deltoid, upper arm and forearm; a sleeve ends at the level `sleeve_y`."""
-    put.loft("upperarm", 1, _UPPER_ARM, caps=(0.015, 0.025), register=ARM)
-    put.ellipsoid("upperarm", (0.2015, 1.412, -0.040), (0.0380, 0.060, 0.0460), k=0.02, register=ARM)
+    put.loft("upperarm", 1, _UPPER_ARM, caps=(0.015, 0.050), register=ARM)
+    put.ellipsoid("upperarm", (0.1975, 1.392, -0.040), (0.0385, 0.070, 0.0460), k=0.02, register=ARM)
     put.loft("forearm", 1, _FOREARM, caps=(0.004, 0.015), k=0.006, register=ARM)
     put.ellipsoid("forearm", (0.1985, 1.1360, -0.1010), (0.015, 0.020, 0.0115), k=0.014, register=ARM)  # elbow's point
     part = "forearm" if sleeve_y < 1.13 else "upperarm"

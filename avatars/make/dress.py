@@ -83,11 +83,12 @@ def _lips(points, figure):
     origin, scale = figure.place("head", [0, 0, 0]), figure.scale("head")
     x, y, z = ((points - origin) / scale).T
     y = EYES["eyeball"][1] + (y - EYES["eyeball"][1]) / figure.look.face_height
-    y = y - 0.0024 * np.clip(x / 0.0236, 0, 1) ** 2  # the corners are a little higher
-    across = np.clip(1 - (x / 0.0236) ** 2, 0, 1)
-    top = 1.5685 + 0.0080 * across**0.8 - 0.0016 * np.exp(-((x / 0.0035) ** 2))
-    bottom = 1.5680 - 0.0094 * across**0.8
-    inside = np.minimum(np.minimum(top - y, y - bottom), (0.0236 - x) * 0.5)
+    half = 0.0240 * figure.look.mouth
+    y = y - 0.0062 * np.clip(x / half, 0, 1) ** 2  # the corners are a little higher
+    across = np.clip(1 - (x / half) ** 2, 0, 1)
+    top = 1.5685 + 0.0068 * across - 0.0016 * np.exp(-((x / 0.0035) ** 2))
+    bottom = 1.5680 - 0.0084 * across
+    inside = np.minimum(np.minimum(top - y, y - bottom), (half - x) * 0.5)
     return np.where(z > 0.06, inside, -0.02)
 
 

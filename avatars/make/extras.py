@@ -11,8 +11,10 @@ from avatars.make.figure import EYES, Figure
 from avatars.make.hand import nail_frames
 from avatars.make.head import EYE_RADIUS
 
-IRIS, PUPIL = 0.50, 0.20
+IRIS, PUPIL = 0.54, 0.22
 """Angles from the line of sight at which iris and pupil end."""
+_LID = 0.25
+"""Angle over the line of sight at which the upper lid ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,28 +64,29 @@ def _ring_faces(n_rings: int, around: int) -> np.ndarray:
 
 def _eye(figure: Figure) -> Piece:
     around = 16
-    polar = np.array([PUPIL, IRIS, 0.75, 1.1, 1.55, 2.2])
+    polar = np.array([PUPIL, IRIS, 0.78, 1.1, 1.55, 2.2])
     points, faces = _globe(polar, around)
     materials = ["pupils"] * around + ["irises"] * 2 * around
     materials += ["eyes"] * (len(faces) - len(materials))
     centre = figure.place("head", EYES["eyeball"])
-    size = EYE_RADIUS * figure.scale("head").mean()
+    size = EYE_RADIUS * figure.look.eye_size * figure.scale("head").mean()
     return _outwards(Piece("l_eyeball_joint", centre + size * points, faces, materials))
 
 
 def _lid(figure: Figure) -> Piece:
-    """Return a cap over the upper front of the eye: a shell with an inner and an outer side."""
-    n_up, n_across = 5, 12
-    up = np.linspace(0.31, 1.25, n_up)
+    """Return a cap over the upper front of the eye: a shell of two sides, its edge dark with lashes."""
+    n_across = 12
+    up = np.array([_LID, _LID + 0.07, 0.50, 0.75, 1.0, 1.25])
     across = np.linspace(-1.25, 1.25, n_across)
     height, side = np.meshgrid(up, across, indexing="ij")
-    droop = height * (1 - 0.25 * (side / 1.25) ** 2 * (1 - (height - 0.31) / 0.94))
+    droop = height * (1 - 0.55 * (side / 1.25) ** 2 * (1 - (height - _LID) / (1.25 - _LID)))
     unit = np.stack([np.cos(droop) * np.sin(side), np.sin(droop), np.cos(droop) * np.cos(side)], axis=-1).reshape(-1, 3)
-    points = np.concatenate([unit * (EYE_RADIUS + 0.0012), unit * (EYE_RADIUS + 0.0003)]) * figure.scale("head").mean()
-    faces = _closed_sheet(n_up, n_across)
-    return _outwards(
-        Piece("l_eyelid_joint", figure.place("head", EYES["eyelid"]) + points, faces, ["skin"] * len(faces))
-    )
+    radius = EYE_RADIUS * figure.look.eye_size
+    points = np.concatenate([unit * (radius + 0.0012), unit * (radius + 0.0003)]) * figure.scale("head").mean()
+    faces = _closed_sheet(len(up), n_across)
+    lashes = (faces % len(unit) < 2 * n_across).all(axis=1)
+    materials = ["hair" if dark else "skin" for dark in lashes]
+    return _outwards(Piece("l_eyelid_joint", figure.place("head", EYES["eyelid"]) + points, faces, materials))
 
 
 def _closed_sheet(n_rows: int, n_columns: int) -> np.ndarray:
@@ -103,7 +106,9 @@ def _brow(field: Field, figure: Figure) -> Piece:
     """Return a flat tube along the brow, laid onto the skin."""
     n, around = 9, 6
     t = np.linspace(0, 1, n)
-    line = np.stack([0.0135 + 0.0350 * t, 1.6482 + 0.0050 * np.sin(0.85 * np.pi * t), 0.0870 - 0.020 * t**2], 1)
+    line = np.stack(
+        [0.0135 + 0.0350 * t, 1.6500 + 0.0052 * np.sin(0.8 * np.pi * t) - 0.0020 * t**2, 0.0870 - 0.020 * t**2], 1
+    )
     spine = field.onto(figure.place("head", line), rounds=10)
     normal = field.gradient(spine)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -112,7 +117,7 @@ def _brow(field: Field, figure: Figure) -> Piece:
     high = np.cross(along, normal)
     high *= np.sign(high[:, [1]])
     size = figure.scale("head").mean()
-    half = size * 0.0031 * np.sqrt(np.clip(1 - (2 * t - 0.85) ** 2 / 1.6, 0.05, 1))
+    half = size * 0.0025 * np.sqrt(np.clip(1 - (2 * t - 0.85) ** 2 / 1.6, 0.05, 1))
     angle = np.arange(around) * 2 * np.pi / around
     ring = half[:, None, None] * np.sin(angle)[None, :, None] * high[:, None] + (
         size * 0.0012 * (0.25 + np.cos(angle))[None, :, None] * normal[:, None]

@@ -57,6 +57,9 @@ class Look:
     face_height: float = 1.0
     face_depth: float = 1.0
     chest: float = 1.0
+    eye_size: float = 1.0
+    mouth: float = 1.0
+    cheeks: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +155,7 @@ ADA = Figure(
     "Ada",
     Look(
         skin=(0.86, 0.66, 0.53),
-        lips=(0.72, 0.42, 0.38),
+        lips=(0.75, 0.46, 0.41),
         hair=(0.20, 0.13, 0.09),
         iris=(0.30, 0.20, 0.10),
         shirt=(0.13, 0.22, 0.36),
@@ -168,7 +171,7 @@ TIM = Figure(
     "Tim",
     Look(
         skin=(0.93, 0.76, 0.64),
-        lips=(0.80, 0.50, 0.45),
+        lips=(0.86, 0.60, 0.53),
         hair=(0.48, 0.30, 0.14),
         iris=(0.22, 0.38, 0.48),
         shirt=(0.12, 0.36, 0.33),
@@ -179,11 +182,14 @@ TIM = Figure(
         face_height=0.86,
         face_depth=0.72,
         chest=0.55,
+        eye_size=1.13,
+        mouth=0.84,
+        cheeks=1.0,
     ),
     {
         "trunk": (0.655, 0.724, 0.700),
-        "neck": (0.724, 0.660, 0.724),
-        "head": (0.958, 0.964, 0.958),
+        "neck": (0.700, 0.640, 0.700),
+        "head": (0.985, 0.990, 0.975),
         "upperarm": (0.703, 0.655, 0.703),
         "forearm": (0.703, 0.639, 0.703),
         "hand": (0.735, 0.703, 0.735),

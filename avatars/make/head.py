@@ -18,10 +18,10 @@ def add_head(put: Placed, look: Look) -> None:
     """Add skull, face, ear and hair; the head's own register is joined to the neck."""
     _skull(put)
     soft = _LowerFace(put, look)
-    _face(soft)
-    _eyes(put)
+    _face(soft, look.cheeks)
+    _eyes(put, look.eye_size)
     _nose(soft)
-    _mouth(soft)
+    _mouth(soft, look.mouth)
     _ear(put)
     put.join(HEAD, into=0, k=(0.012, 0.012), levels=[("neck", 1.50), ("head", 1.60)])
     _hair(put, look)
@@ -58,22 +58,33 @@ def _skull(put: Placed) -> None:
     put.ellipsoid("head", (0.0, 1.620, -0.038), (0.0620, 0.050, 0.050), k=0.025, register=HEAD)  # back
 
 
-def _face(put: Placed) -> None:
+def _face(put: Placed, cheeks: float) -> None:
     put.ellipsoid("head", (0.0, 1.594, 0.030), (0.0510, 0.060, 0.0490), k=0.018, register=HEAD)  # middle face
     put.cone("head", (0.0430, 1.5740, 0.012), (0.0145, 1.5400, 0.0615), 0.0110, 0.0155, k=0.020, register=HEAD)  # jaw
     put.cone("head", (0.0, 1.550, 0.050), (0.0, 1.5405, 0.0650), 0.024, 0.0165, k=0.016, register=HEAD)  # chin
     put.ellipsoid("head", (0.0405, 1.608, 0.050), (0.0170, 0.015, 0.0170), k=0.02, register=HEAD)  # cheek bone
-    put.ellipsoid("head", (0.0300, 1.588, 0.048), (0.0210, 0.022, 0.0215), k=0.020, register=HEAD)  # cheek
-    put.cone("head", (0.012, 1.6465, 0.0795), (0.044, 1.6485, 0.0610), 0.0065, 0.0065, k=0.012, register=HEAD)  # brow
+    fuller = 0.0035 * cheeks
+    centre = (0.0310 + 0.4 * fuller, 1.588 - 0.6 * fuller, 0.048)
+    radii = np.array((0.0210, 0.022, 0.0220)) + fuller
+    put.ellipsoid("head", centre, radii, k=0.020, register=HEAD)  # cheek
+    put.cone("head", (0.012, 1.6475, 0.0785), (0.044, 1.6485, 0.0605), 0.0058, 0.0058, k=0.014, register=HEAD)  # brow
 
 
-def _eyes(put: Placed) -> None:
+def _eyes(put: Placed, size: float) -> None:
     x, y, z = EYES["eyeball"]
+    radius = EYE_RADIUS * size
     put.ellipsoid("head", (x, y, z + 0.0135), (0.0160, 0.0110, 0.0110), k=0.012, register=HEAD, op=CARVE)
     turn = _about_y(-0.20)
     # the lids: a shell about the eyeball with a slit in front
-    put.ellipsoid("head", (x, y - 0.0002, z), np.full(3, EYE_RADIUS + 0.0022), turn=turn, k=0.004, register=HEAD)
-    put.ellipsoid("head", (x, y + 0.0004, z + 0.011), (0.0138, 0.0054, 0.0120), k=0.0015, register=HEAD, op=CARVE)
+    put.ellipsoid("head", (x, y - 0.0002, z), np.full(3, radius + 0.0022), turn=turn, k=0.004, register=HEAD)
+    put.ellipsoid(
+        "head",
+        (x, y + 0.0004, z + 0.011 * size),
+        size * np.array((0.0138, 0.0054, 0.0120)),
+        k=0.0015,
+        register=HEAD,
+        op=CARVE,
+    )
 
 
 def _nose(put: Placed) -> None:
@@ -83,11 +94,13 @@ def _nose(put: Placed) -> None:
     put.ellipsoid("head", (0.0056, 1.5868, 0.0905), (0.0032, 0.0030, 0.0048), k=0.003, register=HEAD, op=CARVE)
 
 
-def _mouth(put: Placed) -> None:
-    put.ellipsoid("head", (0.0, 1.5680, 0.0660), (0.0270, 0.0200, 0.0180), k=0.014, register=HEAD)
-    put.cone("head", (0.0035, 1.5730, 0.0812), (0.0232, 1.5712, 0.0695), 0.0043, 0.0022, k=0.004, register=HEAD)
-    put.cone("head", (0.0, 1.5625, 0.0795), (0.0215, 1.5696, 0.0695), 0.0052, 0.0022, k=0.004, register=HEAD)
-    put.cone("head", (0.0, 1.5678, 0.0880), (0.0250, 1.5704, 0.0740), 0.0010, 0.0008, k=0.003, register=HEAD, op=CARVE)
+def _mouth(put: Placed, wide: float) -> None:
+    put.ellipsoid("head", (0.0, 1.5680, 0.0660), (0.0270 * wide, 0.0200, 0.0180), k=0.014, register=HEAD)
+    put.cone("head", (0.0035, 1.5725, 0.0812), (0.0236 * wide, 1.5744, 0.0695), 0.0038, 0.0020, k=0.004, register=HEAD)
+    put.cone("head", (0.0, 1.5628, 0.0795), (0.0220 * wide, 1.5730, 0.0695), 0.0047, 0.0020, k=0.004, register=HEAD)
+    put.cone(
+        "head", (0.0, 1.5678, 0.0880), (0.0262 * wide, 1.5748, 0.0740), 0.0010, 0.0009, k=0.003, register=HEAD, op=CARVE
+    )
     put.cone("head", (0.0, 1.5540, 0.0830), (0.0100, 1.5545, 0.0800), 0.0030, 0.0025, k=0.008, register=HEAD, op=CARVE)
 
 
@@ -101,18 +114,32 @@ def _ear(put: Placed) -> None:
 
 
 def _hair(put: Placed, look: Look) -> None:
+    _HAIR_CUTS[look.hair_kind](put)
+    # the forehead and the face, open
+    put.ellipsoid("head", (0.0, 1.6150, 0.0900), (0.0600, 0.0790, 0.0700), k=0.006, register=HAIR, op=CARVE)
+
+
+def _bob(put: Placed) -> None:
+    """Add hair that covers the ears and ends at the jaw."""
     put.ellipsoid("head", (0.0, 1.6620, -0.0160), (0.0800, 0.0868, 0.0960), register=HAIR)
     put.ellipsoid("head", (0.0, 1.6250, -0.0480), (0.0690, 0.0620, 0.0520), k=0.03, register=HAIR)
     put.ellipsoid("head", (0.0, 1.6920, 0.0200), (0.0700, 0.0480, 0.0640), k=0.03, register=HAIR)
-    if look.hair_kind == "bob":
-        put.ellipsoid("head", (0.0, 1.5850, -0.0420), (0.0760, 0.0520, 0.0520), k=0.03, register=HAIR)
-        put.cone("head", (0.0650, 1.6500, -0.0100), (0.0640, 1.5760, -0.0100), 0.0235, 0.0215, k=0.03, register=HAIR)
-    # the forehead and the face, open
-    put.ellipsoid("head", (0.0, 1.6150, 0.0900), (0.0600, 0.0790, 0.0700), k=0.006, register=HAIR, op=CARVE)
-    side = 0.0480 if look.hair_kind == "bob" else 0.0330
-    put.ellipsoid("head", (0.0720, 1.6050, side), (0.0340, 0.0560, 0.0330), k=0.006, register=HAIR, op=CARVE)
-    if look.hair_kind == "short":
-        put.ellipsoid("head", (0.0800, 1.5980, 0.0060), (0.0300, 0.0600, 0.0250), k=0.006, register=HAIR, op=CARVE)
+    put.ellipsoid("head", (0.0, 1.5850, -0.0420), (0.0760, 0.0520, 0.0520), k=0.03, register=HAIR)
+    put.cone("head", (0.0650, 1.6500, -0.0060), (0.0640, 1.5760, -0.0060), 0.0245, 0.0225, k=0.03, register=HAIR)
+    put.cone("head", (0.0660, 1.6600, 0.0060), (0.0660, 1.5900, 0.0060), 0.0200, 0.0190, k=0.02, register=HAIR)
+    put.ellipsoid("head", (0.0700, 1.5920, 0.0640), (0.0380, 0.0760, 0.0390), k=0.010, register=HAIR, op=CARVE)
+
+
+def _short(put: Placed) -> None:
+    """Add close hair that leaves the ears free."""
+    put.ellipsoid("head", (0.0, 1.6615, -0.0150), (0.0772, 0.0848, 0.0945), register=HAIR)
+    put.ellipsoid("head", (0.0, 1.6320, -0.0450), (0.0640, 0.0540, 0.0500), k=0.02, register=HAIR)
+    put.ellipsoid("head", (0.0, 1.6900, 0.0200), (0.0660, 0.0480, 0.0630), k=0.03, register=HAIR)
+    put.ellipsoid("head", (0.0720, 1.6050, 0.0330), (0.0340, 0.0560, 0.0330), k=0.006, register=HAIR, op=CARVE)
+    put.ellipsoid("head", (0.0800, 1.5980, 0.0060), (0.0300, 0.0600, 0.0250), k=0.006, register=HAIR, op=CARVE)
+
+
+_HAIR_CUTS = {"bob": _bob, "short": _short}
 
 
 def hair_excess(registers: np.ndarray) -> np.ndarray:

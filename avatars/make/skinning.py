@@ -31,7 +31,7 @@ _WIDTHS = {
     "foot": 0.010,
 }
 """How far shares spread on either side of a joint, metres of the default body."""
-_FINGER_WIDTH, _KNUCKLE_WIDTH, _SHOULDER_WIDTH = 0.0030, 0.0048, 0.030
+_FINGER_WIDTH, _KNUCKLE_WIDTH, _THENAR_WIDTH, _SHOULDER_WIDTH = 0.0030, 0.0048, 0.0120, 0.022
 
 
 def weights_of(points, faces, figure: Figure, limb: np.ndarray) -> tuple[list[str], np.ndarray]:
@@ -84,7 +84,7 @@ class Regions:
             ("neck", (0.0, 1.555, -0.01), 0.075, _WIDTHS["neck"]),
             ("head", (0.0, 1.640, 0.01), 0.100, _WIDTHS["head"]),
             ("upperarm", (0.190, 1.440, -0.039), 0.100, _SHOULDER_WIDTH),
-            ("upperarm", (0.168, 1.362, -0.040), 0.055, 0.0160),
+            ("upperarm", (0.168, 1.362, -0.040), 0.055, 0.0210),
             ("upperarm", (0.2014, 1.1357, -0.07), 0.120, _WIDTHS["forearm"]),
             ("thigh", (0.080, 0.890, 0.0), 0.130, _WIDTHS["thigh"]),
             ("thigh", (0.104, 0.4867, 0.01), 0.160, _WIDTHS["shank"]),
@@ -98,6 +98,8 @@ class Regions:
         share = np.clip((wrist + 0.05 * scale("forearm") - y) / (0.04 * scale("hand")), 0, 1) * hand
         result += share * (_WIDTHS["hand"] * scale("hand") - result)
         size = scale("hand")
+        share = near("hand", (0.1930, 0.8400, -0.0260), 0.030 * size) * hand
+        result += share * (_THENAR_WIDTH * size - result)
         knuckle = self.centre["l_middle1"][1]
         share = np.clip((knuckle + 0.020 * size - y) / (0.014 * size), 0, 1) * hand
         result += share * (_KNUCKLE_WIDTH * size - result)
@@ -151,8 +153,8 @@ class Regions:
         out = _ramp(p[:, 0], 0.045 * size, 0.105 * size) * rise * torso
         outer = _ramp(p[:, 0], 0.095 * size, 0.150 * size) * rise * torso
         arm = (self.limb == 1).astype(float)
-        normal = np.array([0.938, -0.346, 0.0])
-        away = (p - shoulder - np.array([-0.012 * size, 0, 0])) @ normal
+        normal = np.array([0.870, -0.493, 0.0])
+        away = (p - shoulder - np.array([-0.004 * size, 0, 0])) @ normal
         upper = p[:, 1] > place("trunk", [0, 1.375, 0])[1]
         arm = np.where(upper & torso, (away > 0).astype(float), arm)
         for giver in givers:

@@ -70,7 +70,7 @@ def size_field(figure: Figure):
         ("head", (0.0, 1.600, 0.078), 0.040, 0.0045, 0.070),
         ("head", (0.0, 1.568, 0.085), 0.020, 0.0028, 0.035),
         ("head", (0.0, 1.592, 0.095), 0.012, 0.0034, 0.030),
-        ("head", (0.030, 1.6325, 0.078), 0.017, 0.0025, 0.035),
+        ("head", (0.030, 1.6325, 0.078), 0.016, 0.0023, 0.035),
         ("head", (0.025, 1.697, 0.070), 0.030, 0.0055, 0.050),
         ("head", (0.070, 1.665, 0.040), 0.030, 0.0055, 0.050),
         ("neck", (0.0, 1.520, 0.0), 0.062, 0.0085, 0.045),
@@ -84,7 +84,7 @@ def size_field(figure: Figure):
         (figure.place(part, at), radius * parts[part].mean(), fine * parts[part].mean(), reach * parts[part].mean())
         for part, at, radius, fine, reach in spots
     ]
-    limbs = figure.place("trunk", [0.158, 0.0, 0.0])[0], 0.0170 * parts["trunk"].mean()
+    limbs = figure.place("trunk", [0.158, 0.0, 0.0])[0], 0.0180 * parts["trunk"].mean()
 
     def size(points: np.ndarray) -> np.ndarray:
         result = np.full(len(points), coarse)
