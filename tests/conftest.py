@@ -1,6 +1,10 @@
 import sys
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("untimed", deadline=None)  # timings are for benchmarks: other work may run beside the tests
+settings.load_profile("untimed")
 
 
 @pytest.fixture(autouse=True, scope="module")
