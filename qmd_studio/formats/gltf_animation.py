@@ -11,6 +11,7 @@ from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.gltf_document import Document, accessor, item, listed, name_of, record, whole
 from qmd_studio.motion.motion import FRAME_RATES, check_frame_rate
+from qmd_studio.motion.rotation import between_quaternions
 
 USUAL_FPS = 30.0
 _WIDTHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": 1}
@@ -79,7 +80,9 @@ def sampled(track: Track, times: FloatArray) -> FloatArray:
             + (3 * square - 2 * cube) * second
             + (cube - square) * into
         )
-    return _between_turns(first, second, part) if track.path == "rotation" else first + part * (second - first)
+    if track.path == "rotation":
+        return between_quaternions(_unit(first), _unit(second), part)
+    return np.asarray(first + part * (second - first))
 
 
 def frame_times(tracks: list[Track], fps: float) -> FloatArray:
@@ -123,16 +126,5 @@ def _track(document: Document, node: int, path: str, sampler: dict[str, object],
     return Track(node, path, times, values.reshape(shape), str(interpolation))
 
 
-def _between_turns(first: FloatArray, second: FloatArray, part: FloatArray) -> FloatArray:
-    """Return quaternions between two (n, 4), `part` (n, 1) of the shorter way, at even speed."""
-    first = first / np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-30)
-    second = second / np.maximum(np.linalg.norm(second, axis=1, keepdims=True), 1e-30)
-    cosine = (first * second).sum(axis=1, keepdims=True)
-    second, cosine = np.where(cosine < 0, -second, second), np.minimum(np.abs(cosine), 1.0)
-    angle = np.arccos(cosine)
-    sine = np.sin(angle)
-    near = sine < 1e-6
-    safe = np.where(near, 1.0, sine)
-    a = np.where(near, 1 - part, np.sin((1 - part) * angle) / safe)
-    b = np.where(near, part, np.sin(part * angle) / safe)
-    return np.asarray(a * first + b * second)
+def _unit(quaternions: FloatArray) -> FloatArray:
+    return np.asarray(quaternions / np.maximum(np.linalg.norm(quaternions, axis=1, keepdims=True), 1e-30))

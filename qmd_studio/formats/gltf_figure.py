@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from qmd_studio.formats.gltf_animation import Track, sampled
 from qmd_studio.formats.gltf_document import Document, name_of
 from qmd_studio.formats.gltf_nodes import SCALE_MATTERS, Tree, local_matrices, rigid
 from qmd_studio.motion.as_euler import euler_zyx
+from qmd_studio.motion.channels import named_apart
 from qmd_studio.motion.hanim import hanim_joints
 from qmd_studio.motion.skeleton import (
     MAX_LEVEL,
@@ -142,7 +143,7 @@ def skeleton_of(
         kind=SkeletonKind.HANIM if is_hanim else SkeletonKind.BVH,
         joints=tuple(joints),
         end_sites=sites,
-        columns=_named_apart(columns),
+        columns=named_apart(columns),
         points=tuple(range(len(joints) + len(sites))),
     )
 
@@ -218,15 +219,6 @@ def _end_sites(figure: Figure) -> tuple[EndSite, ...]:
         local = figure.rest[joint, :3, :3].T @ (figure.world[node, :3, 3] - figure.rest[joint, :3, 3])
         sites.append(EndSite(name_of(entry, f"node {node}"), joint, _vector(local)))
     return tuple(sites)
-
-
-def _named_apart(columns: list[Column]) -> tuple[Column, ...]:
-    seen: dict[str, int] = {}
-    result = []
-    for column in columns:
-        count = seen[column.name] = seen.get(column.name, 0) + 1
-        result.append(column if count == 1 else replace(column, name=f"{column.name} #{count}"))
-    return tuple(result)
 
 
 def _vector(values: FloatArray) -> Vector3:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from qmd_studio.arrays import FloatArray, IntArray
+from qmd_studio.avatar.area_normals import area_normals
 from qmd_studio.avatar.humanoid import Displacer, Surface
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.gltf_document import Document, Record, accessor, item, listed, name_of, record, whole
@@ -66,17 +67,6 @@ def surface_of(parts: Parts) -> Surface | None:
     )
 
 
-def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Return unit normals (n, 3), faces weighing by their area; a vertex of no area looks up."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    total = np.zeros_like(vertices)
-    for k in range(3):
-        for axis in range(3):
-            total[:, axis] += np.bincount(faces[:, k], normal[:, axis], minlength=len(vertices))
-    return _unit(total)
-
-
 def _add_mesh(document: Document, parts: Parts, figure: Figure, node: int) -> None:
     entry = figure.tree.entries[node]
     mesh = item(document, "meshes", entry["mesh"])
@@ -128,7 +118,7 @@ def _add_primitive(
         turn = np.linalg.inv(matrix[:3, :3]).T if abs(np.linalg.det(matrix[:3, :3])) > 1e-18 else np.eye(3)
         normals = _unit(normals @ turn.T) if np.abs(turn - turn[0, 0] * np.eye(3)).max() > 1e-12 else _unit(normals)
     else:
-        normals = vertex_normals(vertices, faces)
+        normals = area_normals(vertices, faces)
     parts.vertices.append(vertices)
     parts.normals.append(normals)
     parts.faces.append(faces + parts.n_vertices - n)

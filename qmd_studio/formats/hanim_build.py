@@ -105,6 +105,9 @@ def _tree(body: Body, names: _Names, skin: Skin) -> tuple[list[Node], list[Node]
     for number, joint in enumerate(skeleton.joints):
         node = Node("HAnimJoint", names.new(f"hanim_{joint.name}"))
         node.fields += [("name", joint.name), ("center", _tidy(centres[number]))]
+        limits = _limits(body, number)
+        if limits is not None:
+            node.fields += [("llimit", limits[:, 0]), ("ulimit", limits[:, 1])]
         node.fields += skin.influences(number)
         joints.append(node)
         segment = Node("HAnimSegment", names.new(f"hanim_{_segment_name(body, number)}"))
@@ -123,6 +126,16 @@ def _tree(body: Body, names: _Names, skin: Skin) -> tuple[list[Node], list[Node]
         if joint.parent >= 0:
             joints[joint.parent].fields.append(("children", joints[number]))
     return joints, segments, sites
+
+
+def _limits(body: Body, joint: int) -> FloatArray | None:
+    """Return the limits (3, 2) radians of a joint that turns as Rz · Ry · Rx, where all three have some."""
+    columns = [body.skeleton.columns[k] for k in body.skeleton.joints[joint].product]
+    if [column.axis for column in columns] != [2, 1, 0]:
+        return None
+    pairs = [column.limits for column in columns[::-1] if column.limits is not None and column.sign == 1]
+    limits = np.array(pairs, dtype=np.float64)
+    return limits if len(pairs) == 3 and np.isfinite(limits).all() else None
 
 
 def _segment_name(body: Body, joint: int) -> str:

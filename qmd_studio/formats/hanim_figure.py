@@ -13,7 +13,7 @@ import numpy as np
 
 from qmd_studio.arrays import FloatArray
 from qmd_studio.errors import FormatError
-from qmd_studio.formats.hanim_view import View, applied, compose, kind_of, label, stretch_matrix, vector
+from qmd_studio.formats.hanim_view import View, applied, compose, kind_of, label, raw_numbers, stretch_matrix, vector
 from qmd_studio.formats.hanim_view import transform_matrix as matrix_of
 from qmd_studio.formats.scene_graph import Node
 from qmd_studio.motion.skeleton import MAX_LEVEL
@@ -34,6 +34,7 @@ class Figure:
 
     `space` (4, 4) takes the humanoid's space to metres. `segments` are (joint number, node); `sites` (joint number,
     name, position in own units). `stretch` (J, 4, 4) is what the joints' scales do to what they carry, where any has.
+    `limits` are (3, 2) radians about x, y and z, where a joint has llimit and ulimit that can be kept.
     `frame` is the rotation (3, 3) of the humanoid's space, the nearest one where that is sheared.
     """
 
@@ -43,6 +44,7 @@ class Figure:
     parents: list[int] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
     centres: list[FloatArray] = field(default_factory=list)
+    limits: list[FloatArray | None] = field(default_factory=list)
     segments: list[tuple[int, Node]] = field(default_factory=list)
     sites: list[tuple[int, str, FloatArray]] = field(default_factory=list)
     stretch: FloatArray | None = None
@@ -130,6 +132,7 @@ def _add_joint(view: View, figure: Figure, node: Node, parent: int) -> int:
     figure.parents.append(parent)
     figure.names.append(name)
     figure.centres.append(vector(node, "center", _ORIGIN))
+    figure.limits.append(_limits(view, node))
     for _, child in view.children(node):
         kind = kind_of(child)
         if kind == "HAnimSegment":
@@ -140,6 +143,21 @@ def _add_joint(view: View, figure: Figure, node: Node, parent: int) -> int:
         elif kind == "HAnimSite":
             _add_site(figure, child, number)
     return number
+
+
+def _limits(view: View, node: Node) -> FloatArray | None:
+    """Return llimit and ulimit as (3, 2) radians, None where there are none or they do not fit the joint's axes."""
+    if node.get("llimit") is None and node.get("ulimit") is None:
+        return None
+    low, high = raw_numbers(node, "llimit"), raw_numbers(node, "ulimit")
+    if not low.any() and not high.any():  # none, or the zeros that some programs write for none
+        return None
+    turned = vector(node, "limitOrientation", (0.0, 0.0, 1.0, 0.0))[3] != 0
+    if turned or len(low) != 3 or len(high) != 3 or not (low <= high).all() or not np.isfinite([low, high]).all():
+        reason = "it has a limitOrientation" if turned else "three numbers each are wanted, none above its partner"
+        view.warn(node, f"its llimit and ulimit are left out: {reason}")
+        return None
+    return np.stack([low, high], axis=1)
 
 
 def _add_site(figure: Figure, site: Node, joint: int) -> None:

@@ -11,6 +11,7 @@ from qmd_studio.errors import FormatError
 from qmd_studio.formats.hanim_view import View, flag, kind_of, number, numbers
 from qmd_studio.formats.scene_graph import Node, Route
 from qmd_studio.motion.motion import FRAME_RATES
+from qmd_studio.motion.rotation import between_quaternions
 
 SAMPLED_FPS = 30.0
 _FEWEST_FPS = 5.0
@@ -159,7 +160,7 @@ def _sample(channel: Channel, time_s: FloatArray) -> FloatArray:
     if values.shape[1] != 4 or channel.field not in ("rotation", "orientation"):
         return np.asarray(values[left] * (1 - share) + values[right] * share)
     turns = _quaternions(values)
-    return _slerp(turns[left], turns[right], share)
+    return between_quaternions(turns[left], turns[right], share)
 
 
 def quaternion_matrices(quaternion: FloatArray) -> FloatArray:
@@ -179,17 +180,3 @@ def _quaternions(rotation: FloatArray) -> FloatArray:
     axis = rotation[:, :3] / np.where(length > 0, length, 1.0)
     half = np.where(length > 0, rotation[:, 3:] / 2, 0.0)
     return np.concatenate([np.cos(half), np.sin(half) * axis], axis=1)
-
-
-def _slerp(a: FloatArray, b: FloatArray, share: FloatArray) -> FloatArray:
-    """Return quaternions between `a` and `b` (n, 4), the short way round."""
-    cosine = (a * b).sum(axis=1, keepdims=True)
-    b = np.where(cosine < 0, -b, b)
-    angle = np.arccos(np.clip(np.abs(cosine), 0.0, 1.0))
-    sine = np.sin(angle)
-    small = sine < 1e-8
-    safe = np.where(small, 1.0, sine)
-    wa = np.where(small, 1 - share, np.sin((1 - share) * angle) / safe)
-    wb = np.where(small, share, np.sin(share * angle) / safe)
-    mixed = wa * a + wb * b
-    return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))

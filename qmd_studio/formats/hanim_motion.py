@@ -11,7 +11,7 @@ import numpy as np
 from qmd_studio.arrays import FloatArray
 from qmd_studio.formats.hanim_figure import Figure
 from qmd_studio.formats.hanim_view import View, flag, kind_of, label, number, raw_numbers, text
-from qmd_studio.formats.scene_graph import Node
+from qmd_studio.formats.scene_graph import Listed, Node
 from qmd_studio.motion.hanim_names import canonical_joint
 from qmd_studio.motion.motion import FRAME_RATES
 from qmd_studio.motion.rotation import axis_rotation
@@ -75,6 +75,7 @@ def _track(view: View, figure: Figure, node: Node) -> Track | None:
         table = np.where(np.isfinite(table), table, 0.0)
     track = Track(_rate(view, node), len(table), name=label(node))
     numbers = joint_numbers(figure)
+    enabled = _enabled(node, width)
     start = 0
     unknown = []
     for name, group in zip(joints, groups, strict=False):
@@ -82,7 +83,8 @@ def _track(view: View, figure: Figure, node: Node) -> Track | None:
         if name != _IGNORED and joint is None:
             unknown.append(name)
         elif joint is not None:
-            _read_channels(track, joint, group, table[:, start : start + len(group)])
+            kept = [k for k in range(len(group)) if enabled[start + k]]
+            _read_channels(track, joint, [group[k] for k in kept], table[:, [start + k for k in kept]])
         start += len(group)
     if unknown:
         view.warn(node, f"the figure has no joint {', '.join(unknown[:8])}; what it says of them is left out")
@@ -104,6 +106,15 @@ def _channels(view: View, node: Node) -> list[list[str]]:
             view.warn(node, "the last joint has fewer channels than it counts")
         place += 1 + count
     return groups
+
+
+def _enabled(node: Node, width: int) -> list[bool]:
+    """Return which channels play, those that channelsEnabled does not reach among them."""
+    value = node.get("channelsEnabled")
+    value = value.value if isinstance(value, Listed) else value
+    words = value.replace(",", " ").split() if isinstance(value, str) else value if isinstance(value, tuple) else ()
+    flags = [str(word).lower() != "false" for word in words[:width]]
+    return flags + [True] * (width - len(flags))
 
 
 def _chosen(view: View, node: Node, table: FloatArray) -> FloatArray:

@@ -42,18 +42,6 @@ def corner_normals(view: View, geometry: Node, mesh: Mesh) -> FloatArray | None:
     return None if place is None else (table / unit)[place]
 
 
-def area_normals(positions: FloatArray, faces: IntArray) -> FloatArray:
-    """Return unit normals (n, 3), faces weighing by their area; a point of no area looks up."""
-    a, b, c = (positions[faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    corners = faces.ravel()
-    total = np.stack(
-        [np.bincount(corners, np.repeat(normal[:, axis], 3), minlength=len(positions)) for axis in range(3)], axis=1
-    )
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.where(length > 0, total / np.where(length > 0, length, 1.0), [0.0, 1.0, 0.0])
-
-
 def _places(view: View, geometry: Node, node: Node, mesh: Mesh, names: tuple[str, str, int]) -> IntArray | None:
     """Return which entry of a table of colours or normals each corner has (m, 3); None where the table is too short."""
     index_name, per_vertex_name, count = names

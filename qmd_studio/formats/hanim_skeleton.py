@@ -51,8 +51,11 @@ def skeleton_of(figure: Figure, movers: Iterable[int] = (), displacers: Iterable
                 for axis in range(3)
             ]
         first = len(columns)
+        pairs = figure.limits[joint]
+        limits = [None] * 3 if pairs is None else [(float(low), float(high)) for low, high in pairs]
         columns += [
-            Column(f"{name} r{'xyz'[axis]}", joint, ColumnKind.ROTATION, axis, level=level) for axis in range(3)
+            Column(f"{name} r{'xyz'[axis]}", joint, ColumnKind.ROTATION, axis, level=level, limits=limits[axis])
+            for axis in range(3)
         ]
         products[joint] = (first + 2, first + 1, first)
     columns += [Column(name, joint, ColumnKind.OPAQUE, 0, level=levels[joint]) for name, joint in displacers]

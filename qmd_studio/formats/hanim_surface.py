@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from qmd_studio.arrays import FloatArray, IntArray
+from qmd_studio.avatar.area_normals import area_normals
 from qmd_studio.avatar.humanoid import Surface
 from qmd_studio.errors import FormatError
 from qmd_studio.formats.hanim_figure import Figure
 from qmd_studio.formats.hanim_geometry import GEOMETRIES, Mesh, mesh_of, positions_of
-from qmd_studio.formats.hanim_shading import area_normals, corner_colours, corner_normals
+from qmd_studio.formats.hanim_shading import corner_colours, corner_normals
 from qmd_studio.formats.hanim_skin import Binding, rigid_binding, skin_binding
 from qmd_studio.formats.hanim_view import View, applied, kind_of, number, transform_matrix
 from qmd_studio.formats.scene_graph import MAX_DEPTH, Node, title

@@ -51,7 +51,7 @@ def channel_skeleton(
         kind=SkeletonKind.BVH,
         joints=tuple(built),
         end_sites=tuple(sorted(end_sites, key=lambda site: site.joint)),
-        columns=_named_apart(columns),
+        columns=named_apart(columns),
         points=tuple(range(len(built) + len(end_sites))),
         metres_per_unit=metres_per_unit,
     )
@@ -75,7 +75,7 @@ def _column(channel: str, joint_name: str, joint: int, offset: Vector3) -> Colum
     return Column(name, joint, ColumnKind.TRANSLATION, axis, rest=offset[axis])
 
 
-def _named_apart(columns: list[Column]) -> tuple[Column, ...]:
+def named_apart(columns: list[Column]) -> tuple[Column, ...]:
     """Number the columns whose joints share a name, so that a column's name is its own."""
     seen: dict[str, int] = {}
     result = []

@@ -217,10 +217,16 @@ def _match_rest(pairs: dict[int, list[int]], taken: set[int], skeletons: tuple[S
 def _unique(
     pairs: list[tuple[str, tuple[str, ...]]], source: Skeleton, target: Skeleton
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Leave out pairs whose names are another joint's as well: a map is by name."""
+    """Leave out pairs whose names are another joint's as well, for a map is by name, and a target's second pair."""
     counts = [{j.name: 0 for j in skeleton.joints} for skeleton in (source, target)]
     for count, skeleton in zip(counts, (source, target), strict=True):
         for joint in skeleton.joints:
             count[joint.name] += 1
-    kept = [(s, tuple(t for t in ts if counts[1][t] == 1)) for s, ts in pairs if counts[0][s] == 1]
-    return tuple((s, ts) for s, ts in kept if ts)
+    taken: set[str] = set()
+    kept = []
+    for name, targets in pairs:
+        if counts[0][name] == 1:
+            own = tuple(dict.fromkeys(t for t in targets if counts[1][t] == 1 and t not in taken))
+            taken.update(own)
+            kept.append((name, own))
+    return tuple((name, own) for name, own in kept if own)

@@ -19,6 +19,7 @@ import numpy as np
 
 from qmd_studio.arrays import BoolArray, FloatArray
 from qmd_studio.errors import FormatError
+from qmd_studio.motion.anatomical_limits import beyond_limits, limited_joints
 from qmd_studio.motion.body_parts import parts_of
 from qmd_studio.motion.fast_kinematics import world_from_joint_fast
 from qmd_studio.motion.foot_pinning import pinned_legs
@@ -135,7 +136,35 @@ class Retargeting:
             aims, note = pinned_legs(self.target, aims, posed.world, (self._placed(world), motion.fps, self.source))
             posed, notes = self.posed(world, aims), (*notes, note)
         X = self._followed(posed.X)
-        return self._result(Motion(self.target, X, motion.fps, name=motion.name), posed, notes)
+        X, posed, share = self._anatomical(X, posed)
+        return self._result(Motion(self.target, X, motion.fps, name=motion.name), posed, share, notes)
+
+    def _anatomical(self, X: FloatArray, posed: Posed) -> tuple[FloatArray, Posed, float]:
+        """Hold a body of H-Anim's free joints against the limits of the parameters; return what share lay outside."""
+        driven = self._driven()
+        joints = [joint for joint in limited_joints(self.target) if driven[joint.joint]]
+        if not joints:
+            return X, posed, self._share(posed, len(X))
+        X, count = X.copy(), 0
+        for joint in joints:
+            outside, values = beyond_limits(joint, X)
+            count += int(outside.sum())
+            if self.limits == "keep":
+                X[:, list(joint.product)] = values
+        if count and self.limits == "keep":
+            held = world_from_joint_fast(self.target, X)
+            away = np.einsum("fjki,fjki->fj", posed.world[..., :3, :3], held[..., :3, :3])  # the trace of one turn
+            error = posed.error + np.where(driven, np.arccos(np.clip((away - 1) / 2, -1.0, 1.0)), 0.0)
+            posed = replace(posed, world=held, error=error)
+        return X, posed, count / (sum(joint.n_limited for joint in joints) * len(X))
+
+    def _share(self, posed: Posed, n_frames: int) -> float:
+        """The share of values outside the limits that the target's own columns have."""
+        limited = [
+            f for j in np.flatnonzero(self._driven()) for a in range(self.freedom.n_axes[j])
+            if self.freedom.low[j, a] > -1e9 and (f := int(self.freedom.column[j, a])) >= 0
+        ]  # fmt: skip
+        return float(posed.beyond[limited].sum() / (len(limited) * n_frames)) if limited else 0.0
 
     def _placed(self, world_source: FloatArray) -> FloatArray:
         """The positions (n_frames, Js, 3) of the source's joints, upright."""
@@ -174,14 +203,9 @@ class Retargeting:
                 X[:, f.column[j, :n]] = np.unwrap(X[:, f.column[j, :n]], axis=0)
         return X
 
-    def _result(self, motion: Motion, posed: Posed, notes: tuple[str, ...]) -> RetargetResult:
+    def _result(self, motion: Motion, posed: Posed, share: float, notes: tuple[str, ...]) -> RetargetResult:
         driven = self._driven()
         names = [joint.name for joint in self.target.joints]
-        limited = [
-            f for j in np.flatnonzero(driven) for a in range(self.freedom.n_axes[j])
-            if self.freedom.low[j, a] > -1e9 and (f := int(self.freedom.column[j, a])) >= 0
-        ]  # fmt: skip
-        share = float(posed.beyond[limited].sum() / (len(limited) * motion.n_frames)) if limited else 0.0
         means = np.degrees(posed.error.mean(axis=0))
         mapped_sources = {source for source, targets in self.joint_map.pairs if targets}
         turning = {c.joint for c in self.source.columns if c.kind is ColumnKind.ROTATION}

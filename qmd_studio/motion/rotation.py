@@ -30,3 +30,19 @@ def euler_matrix(angles: FloatArray, order: str) -> FloatArray:
     for position, letter in enumerate(order):
         matrix = matrix @ axis_rotation("xyz".index(letter), angles[..., position])
     return np.ascontiguousarray(matrix)
+
+
+def between_quaternions(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArray:
+    """Return quaternions (n, 4) at `share` (n, 1), 0 to 1, of the shorter way from one to another, at even speed.
+
+    `first` and `second` (n, 4) are of unit length, their real part first or last alike.
+    """
+    cosine = (first * second).sum(axis=1, keepdims=True)
+    second, cosine = np.where(cosine < 0, -second, second), np.minimum(np.abs(cosine), 1.0)
+    angle = np.arccos(cosine)
+    sine = np.sin(angle)
+    near = sine < 1e-8
+    safe = np.where(near, 1.0, sine)
+    own = np.where(near, 1 - share, np.sin((1 - share) * angle) / safe)
+    other = np.where(near, share, np.sin(share * angle) / safe)
+    return np.asarray(own * first + other * second)

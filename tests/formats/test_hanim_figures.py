@@ -155,6 +155,23 @@ def test_what_is_hostile_or_no_figure_is_refused(text):
     assert isinstance(assert_ends_well(read, text), FormatError)
 
 
+def limited(fields):
+    return read(scene(f"<HAnimHumanoid><HAnimJoint name='l_knee' {fields}/></HAnimHumanoid>"))
+
+
+def test_limits_of_joints_are_taken_or_said():
+    loaded = limited("llimit='-0.2 0 -1' ulimit='2.5 0 1'")
+    turns = [column.limits for column in loaded.skeleton.columns if column.name.split()[-1].startswith("r")]
+    assert turns == [(-0.2, 2.5), (0.0, 0.0), (-1.0, 1.0)]
+    for fields in ("llimit='1 1 1' ulimit='0 0 0'", "llimit='-1 -1' ulimit='1 1'", "llimit='nan 0 0' ulimit='1 1 1'"):
+        loaded = limited(fields)
+        assert not any(column.limits for column in loaded.skeleton.columns)
+        assert any("ulimit" in warning for warning in loaded.warnings), fields
+    none = limited("llimit='0 0 0' ulimit='0 0 0'")
+    assert not any(column.limits for column in none.skeleton.columns)
+    assert not any("ulimit" in warning for warning in none.warnings)
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -92,6 +92,24 @@ def test_frames_name_joints_of_either_generation_and_ignore_some():
     np.testing.assert_allclose(positions(loaded, 1)[0]["end"], [0, 4, 3], atol=1e-12)
 
 
+@pytest.mark.parametrize("flags", ["true false true true false true true", "TRUE, FALSE, TRUE, TRUE, FALSE"])
+def test_channels_that_are_not_enabled_stay_at_rest(flags):
+    motion = MOTION.format(f"channelsEnabled='{flags}'", CHANNELS, "1 2 3 9 90 0 0")
+    np.testing.assert_allclose(positions(read(TREE + motion), 0)[0]["end"], [1, 3, 3], atol=1e-12)
+
+
+def test_channels_are_enabled_by_flags_in_classic_vrml_too():
+    text = """#X3D V4.0 utf8
+    PROFILE Immersive
+    HAnimHumanoid {
+      skeleton [ HAnimJoint { name "humanoid_root" center 0 1 0 } ]
+      motions [ HAnimMotion { joints "humanoid_root" channels "3 Xposition Yposition Zposition" values [ 1 2 3 ]
+                              channelsEnabled [ TRUE FALSE TRUE ] } ]
+    }"""
+    loaded = read_figure(text.encode(), ReadOptions())
+    np.testing.assert_allclose(loaded.motion.X[0, :3], [1, 1, 3])
+
+
 def test_rotations_multiply_in_the_order_of_the_channels():
     loaded = read(TREE + MOTION.format("", CHANNELS, "0 0 0 0 30 40 50"))
     turn = Rotation.from_euler("ZXY", [30, 40, 50], degrees=True).as_matrix()

@@ -31,7 +31,10 @@ SUFFIXES = (".x3d", ".x3dv", ".wrl", ".x3dz", ".x3dvz", ".wrz")
 def skeleton():
     columns = [Column(f"root t{a}", 0, ColumnKind.TRANSLATION, k, rest=(0, 1, 0)[k]) for k, a in enumerate("xyz")]
     for joint, name in enumerate(("root", "l_elbow", "hand & <co> 'x'")):
-        columns += [Column(f"{name} r{a}", joint, ColumnKind.ROTATION, k) for k, a in enumerate("xyz")]
+        limits = [(-2.5, 0.25), (-1.0, 1.0), (-0.125, 0.5)] if joint == 1 else [None] * 3
+        columns += [
+            Column(f"{name} r{a}", joint, ColumnKind.ROTATION, k, limits=limits[k]) for k, a in enumerate("xyz")
+        ]
     columns.append(Column("smile", 1, ColumnKind.OPAQUE, 0))
     joints = (
         Joint("root", -1, (0.0, 1.0, 0.0), (5, 4, 3)),
@@ -83,6 +86,8 @@ def assert_same_body(a, b):
     np.testing.assert_allclose(influence_table(b.surface, n_joints), influence_table(a.surface, n_joints), atol=2e-6)
     assert [(j.name, j.parent) for j in a.skeleton.joints] == [(j.name, j.parent) for j in b.skeleton.joints]
     np.testing.assert_allclose(b.bind, a.bind, atol=1e-11)
+    limits = [[c.limits for c in x.skeleton.columns if c.kind is ColumnKind.ROTATION] for x in (a, b)]
+    assert sorted(filter(None, limits[0])) == sorted(filter(None, limits[1]))
     assert [(s.name, s.joint) for s in a.skeleton.end_sites] == [(s.name, s.joint) for s in b.skeleton.end_sites]
     offsets = [np.array([s.offset for s in x.skeleton.end_sites]).reshape(-1, 3) for x in (a, b)]
     np.testing.assert_allclose(offsets[1], offsets[0], atol=1e-11)

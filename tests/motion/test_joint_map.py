@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,6 +13,7 @@ from qmd_studio.errors import FormatError
 from qmd_studio.motion.bap import bap_skeleton
 from qmd_studio.motion.body_parts import parts_of
 from qmd_studio.motion.joint_map import JointMap, cmu_62_map, match_joints, read_joint_map, write_joint_map
+from qmd_studio.motion.skeleton import Column, ColumnKind, Joint, Skeleton, SkeletonKind
 from tests.formats.damage import assert_ends_well, assert_every_prefix_ends_well, damaged
 from tests.motion.retarget_figures import NAMINGS, figure, names_in
 
@@ -83,6 +85,20 @@ def test_damaged_map_ends_well(data):
 @given(st.binary(max_size=200))
 def test_noise_ends_well(data):
     assert_ends_well(read_joint_map, data)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_tree_of_any_shape_gives_a_map_that_can_be_used(seed):
+    random = np.random.default_rng(seed)
+    joints, columns = [], []
+    for number in range(200):
+        columns += [Column(f"{number} r{a}", number, ColumnKind.ROTATION, a) for a in range(3)]
+        parent = int(random.integers(0, number)) if number else -1
+        offset = tuple(random.normal(0, 0.1, 3).tolist())
+        joints.append(Joint(f"j{number}", parent, offset, (3 * number + 2, 3 * number + 1, 3 * number)))
+    tree = Skeleton("tree", SkeletonKind.BVH, tuple(joints), (), tuple(columns), tuple(range(200)))
+    for source, target in ((tree, bap_skeleton()), (bap_skeleton(), tree), (figure("cmu"), tree)):
+        assert match_joints(source, target).checked(source, target).pairs
 
 
 def test_map_of_other_joints_is_refused_by_name():
